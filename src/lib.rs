@@ -1,0 +1,12 @@
+//! Trees.
+#![cfg_attr(docsrs, feature(doc_cfg))]
+
+pub mod math;
+mod parameter;
+pub mod random;
+pub mod skeleton;
+
+pub use glam;
+pub use parameter::ParameterError;
+pub use rand;
+pub use skeleton::{Skeleton, SkeletonError};
