@@ -1,0 +1,307 @@
+//! Yao graphs: an edge to the nearest node in each sector (Yao 1977), exactly.
+
+use super::bvh::Bvh;
+use super::sectors::{Sectors, octant};
+use crate::observer::{Cancelled, Observer, Work, report};
+use crate::parallel;
+use glam::Vec3;
+
+/// Nodes a task works on.
+const CHUNK: usize = 2048;
+/// Tasks between two reports.
+const WAVE: usize = 32;
+
+/// Out-edges of all nodes, flat: node `i` has `targets[starts[i]..starts[i + 1]]`, in the order of the sectors.
+pub(super) struct Adjacency {
+    pub(super) starts: Vec<u32>,
+    pub(super) targets: Vec<u32>,
+}
+
+/// The Yao graph of `positions`, which must be finite and distinct. Ties go to the lower number.
+///
+/// Nodes in the surrounding cells of a lattice settle nearly all sectors; what they leave open, mostly sectors
+/// that look out of the region, is searched in a hierarchy of boxes. O(n log n) for points spread evenly.
+pub(super) fn yao(positions: &[Vec3], sectors: &Sectors, observer: &dyn Observer) -> Result<Adjacency, Cancelled> {
+    report(observer, Work::Edges, 0.0)?;
+    let cells = Cells::new(positions);
+    let search = Search {
+        positions,
+        sectors,
+        half_spaces: (0..sectors.count()).map(|sector| sectors.half_spaces(sector)).collect(),
+        bvh: Bvh::new(positions),
+        cells,
+    };
+    let mut all = Adjacency {
+        starts: Vec::with_capacity(positions.len() + 1),
+        targets: Vec::with_capacity(positions.len() * sectors.count().min(8)),
+    };
+    all.starts.push(0);
+    let chunks = positions.len().div_ceil(CHUNK);
+    for wave in (0..chunks).step_by(WAVE) {
+        let parts = parallel::map(WAVE.min(chunks - wave), |i| {
+            let first = (wave + i) * CHUNK;
+            search.edges(first..(first + CHUNK).min(positions.len()))
+        });
+        for part in parts {
+            let base = all.targets.len() as u32;
+            all.starts.extend(part.starts.iter().map(|start| base + start));
+            all.targets.extend(part.targets);
+        }
+        report(observer, Work::Edges, (wave + WAVE).min(chunks) as f32 / chunks as f32)?;
+    }
+    Ok(all)
+}
+
+struct Search<'a> {
+    positions: &'a [Vec3],
+    sectors: &'a Sectors,
+    half_spaces: Vec<Vec<Vec3>>,
+    bvh: Bvh<'a>,
+    cells: Option<Cells>,
+}
+
+/// The nearest node of each sector so far.
+struct Nearest {
+    distance: [f32; 64],
+    node: [u32; 64],
+    count: usize,
+}
+
+impl Nearest {
+    #[inline]
+    fn offer(&mut self, sector: usize, distance: f32, node: u32) {
+        if (distance, node) < (self.distance[sector], self.node[sector]) {
+            (self.distance[sector], self.node[sector]) = (distance, node);
+        }
+    }
+
+    /// The largest squared distance of all sectors; infinite while one is empty.
+    #[inline]
+    fn farthest(&self) -> f32 {
+        self.distance[..self.count].iter().fold(0.0, |far, &d| far.max(d))
+    }
+}
+
+impl Search<'_> {
+    /// `starts` holds where the edges of each node end.
+    fn edges(&self, nodes: std::ops::Range<usize>) -> Adjacency {
+        let mut part = Adjacency {
+            starts: Vec::with_capacity(nodes.len()),
+            targets: Vec::with_capacity(nodes.len() * self.sectors.count().min(8)),
+        };
+        for node in nodes {
+            let nearest = match self.sectors {
+                Sectors::Octants => self.nearest(node as u32, octant),
+                sectors => self.nearest(node as u32, |d| sectors.of(d)),
+            };
+            part.targets.extend(nearest.node[..nearest.count].iter().filter(|&&node| node != u32::MAX));
+            part.starts.push(part.targets.len() as u32);
+        }
+        part
+    }
+
+    #[inline]
+    fn nearest(&self, node: u32, sector_of: impl Fn(Vec3) -> usize) -> Nearest {
+        let from = self.positions[node as usize];
+        let mut nearest =
+            Nearest { distance: [f32::INFINITY; 64], node: [u32::MAX; 64], count: self.sectors.count() };
+        let mut searched = -1.0;
+        if let Some(cells) = &self.cells {
+            searched = cells.scan(from, &mut nearest, |nearest, position, other| {
+                let to = position - from;
+                if other != node {
+                    nearest.offer(sector_of(to), to.length_squared(), other);
+                }
+            });
+        }
+        // Octants are told by signs, which subtraction keeps; other borders are rounded.
+        let rounding = if matches!(self.sectors, Sectors::Octants) { 0.0 } else { 1e-5 };
+        for sector in 0..nearest.count {
+            if nearest.distance[sector] <= searched {
+                continue;
+            }
+            let outside = |min: Vec3, max: Vec3| {
+                self.half_spaces[sector].iter().any(|normal| {
+                    let farthest = Vec3::select(normal.cmpgt(Vec3::ZERO), max, min) - from;
+                    normal.dot(farthest) < -rounding * farthest.abs().max_element()
+                })
+            };
+            let best = (nearest.distance[sector], nearest.node[sector]);
+            (nearest.distance[sector], nearest.node[sector]) =
+                self.bvh.nearest(from, best, outside, |position, other| {
+                    other != node && sector_of(position - from) == sector
+                });
+        }
+        nearest
+    }
+}
+
+/// Points sorted into the cells of a lattice, about one a cell.
+struct Cells {
+    min: Vec3,
+    side: f32,
+    dims: [i32; 3],
+    starts: Vec<u32>,
+    points: Vec<(Vec3, u32)>,
+}
+
+impl Cells {
+    /// `None` where points are too uneven for a lattice.
+    fn new(positions: &[Vec3]) -> Option<Self> {
+        let (min, max) = positions.iter().fold((Vec3::INFINITY, Vec3::NEG_INFINITY), |(min, max), &p| {
+            (min.min(p), max.max(p))
+        });
+        let extent = max - min;
+        let cells_at = |side: f32| (extent / side).floor() + Vec3::ONE;
+        let mut side = extent.max_element();
+        if !(side > 0.0 && side.is_finite()) {
+            return None;
+        }
+        while cells_at(side).element_product() < positions.len() as f32 * 0.85 {
+            side *= 0.95;
+        }
+        let dims = cells_at(side).to_array().map(|n| n as i32);
+        let cells = dims.iter().map(|&n| n as usize).product::<usize>();
+        let mut grid = Self { min, side, dims, starts: vec![0; cells + 1], points: Vec::new() };
+        for &position in positions {
+            let cell = grid.index(grid.cell(position));
+            grid.starts[cell + 1] += 1;
+        }
+        let crowding: u64 = grid.starts.iter().map(|&n| u64::from(n) * u64::from(n)).sum();
+        if crowding > 16 * positions.len() as u64 {
+            return None;
+        }
+        for cell in 0..cells {
+            grid.starts[cell + 1] += grid.starts[cell];
+        }
+        let mut next = grid.starts.clone();
+        grid.points = vec![(Vec3::ZERO, 0); positions.len()];
+        for (&position, number) in positions.iter().zip(0..) {
+            let slot = &mut next[grid.index(grid.cell(position))];
+            grid.points[*slot as usize] = (position, number);
+            *slot += 1;
+        }
+        Some(grid)
+    }
+
+    #[inline]
+    fn cell(&self, position: Vec3) -> [i32; 3] {
+        let cell = ((position - self.min) / self.side).to_array();
+        [0, 1, 2].map(|axis| (cell[axis] as i32).min(self.dims[axis] - 1))
+    }
+
+    #[inline]
+    fn index(&self, [x, y, z]: [i32; 3]) -> usize {
+        (((z * self.dims[1]) + y) * self.dims[0] + x) as usize
+    }
+
+    /// Offers every point in the 3 x 3 x 3 cells around `from`, then, if that leaves a sector open, in the
+    /// 5 x 5 x 5. Returns the squared distance within which no point was missed.
+    #[inline]
+    fn scan(
+        &self,
+        from: Vec3,
+        nearest: &mut Nearest,
+        offer: impl Fn(&mut Nearest, Vec3, u32),
+    ) -> f32 {
+        let [x, y, z] = self.cell(from);
+        let inside = (from - self.min) - Vec3::new(x as f32, y as f32, z as f32) * self.side;
+        // From the point to the nearest face of its own cell, a little low for rounding.
+        let margin = (inside.min(Vec3::splat(self.side) - inside).min_element() - self.side * 1e-4).max(0.0);
+        let row = |nearest: &mut Nearest, x0: i32, x1: i32, y: i32, z: i32| {
+            let (x0, x1) = (x0.max(0), x1.min(self.dims[0] - 1));
+            if y < 0 || z < 0 || y >= self.dims[1] || z >= self.dims[2] || x0 > x1 {
+                return;
+            }
+            let first = self.starts[self.index([x0, y, z])] as usize;
+            let last = self.starts[self.index([x1, y, z]) + 1] as usize;
+            for &(position, number) in &self.points[first..last] {
+                offer(nearest, position, number);
+            }
+        };
+        for dz in -1..=1 {
+            for dy in -1..=1 {
+                row(nearest, x - 1, x + 1, y + dy, z + dz);
+            }
+        }
+        let searched = margin + self.side;
+        if nearest.farthest() <= searched * searched {
+            return searched * searched;
+        }
+        for dz in -2i32..=2 {
+            for dy in -2i32..=2 {
+                if dy.abs() < 2 && dz.abs() < 2 {
+                    row(nearest, x - 2, x - 2, y + dy, z + dz);
+                    row(nearest, x + 2, x + 2, y + dy, z + dz);
+                } else {
+                    row(nearest, x - 2, x + 2, y + dy, z + dz);
+                }
+            }
+        }
+        let searched = margin + 2.0 * self.side;
+        searched * searched
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::observer::Silent;
+    use crate::random::{Purpose, unit};
+
+    fn brute_force(positions: &[Vec3], sectors: &Sectors) -> Vec<Vec<u32>> {
+        (0..positions.len())
+            .map(|node| {
+                let mut best = vec![(f32::INFINITY, u32::MAX); sectors.count()];
+                for (other, &position) in positions.iter().enumerate() {
+                    if other != node {
+                        let to = position - positions[node];
+                        let slot = &mut best[sectors.of(to)];
+                        if (to.length_squared(), other as u32) < *slot {
+                            *slot = (to.length_squared(), other as u32);
+                        }
+                    }
+                }
+                best.into_iter().map(|(_, other)| other).filter(|&other| other != u32::MAX).collect()
+            })
+            .collect()
+    }
+
+    fn holds(positions: &[Vec3], sectors: &Sectors) {
+        let found = yao(positions, sectors, &Silent).unwrap();
+        for (node, expected) in brute_force(positions, sectors).into_iter().enumerate() {
+            let range = found.starts[node] as usize..found.starts[node + 1] as usize;
+            assert_eq!(found.targets[range], expected, "node {node}, {sectors:?}");
+        }
+    }
+
+    fn cloud(count: u64, seed: u64, shape: impl Fn(Vec3) -> Vec3) -> Vec<Vec3> {
+        let draw = |i, axis| unit(seed, axis, Purpose::CUSTOM, i);
+        (0..count).map(|i| shape(Vec3::new(draw(i, 0), draw(i, 1), draw(i, 2)))).collect()
+    }
+
+    #[test]
+    fn equals_brute_force_whatever_the_sectors_and_the_cloud() {
+        for count in [3, 6, 8, 12, 26] {
+            for planar in [false, true] {
+                let sectors = Sectors::new(count, planar);
+                let flat = if planar { Vec3::new(1.0, 1.0, 0.0) } else { Vec3::ONE };
+                // Even, elongated, dense in one corner, and on a lattice where distances tie.
+                holds(&cloud(700, 1, |p| p * flat), &sectors);
+                holds(&cloud(300, 2, |p| p * Vec3::new(100.0, 1.0, 0.1) * flat), &sectors);
+                holds(&cloud(300, 3, |p| p * p * p * p * p * p * p * p * flat), &sectors);
+            }
+        }
+        let lattice: Vec<_> =
+            (0..343).map(|i| Vec3::new((i % 7) as f32, (i / 7 % 7) as f32, (i / 49) as f32)).collect();
+        holds(&lattice, &Sectors::new(8, false));
+    }
+
+    #[test]
+    fn small_clouds() {
+        for count in 0..10 {
+            holds(&cloud(count, 9, |p| p), &Sectors::new(8, false));
+        }
+        holds(&[Vec3::ZERO, Vec3::X * 1e6, Vec3::X * 1e-6], &Sectors::new(8, false));
+    }
+}

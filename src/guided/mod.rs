@@ -1,0 +1,3 @@
+//! Guided.
+mod graph;
+pub use graph::*;

@@ -1,0 +1,14 @@
+//! The same map on one thread or, with the feature `parallel`, on rayon's.
+
+/// `f(0), f(1), ..., f(count - 1)`, in that order whatever the threads did.
+#[cfg(feature = "parallel")]
+pub(crate) fn map<T: Send>(count: usize, f: impl Fn(usize) -> T + Sync + Send) -> Vec<T> {
+    use rayon::iter::{IntoParallelIterator, ParallelIterator};
+    (0..count).into_par_iter().map(f).collect()
+}
+
+/// `f(0), f(1), ..., f(count - 1)`.
+#[cfg(not(feature = "parallel"))]
+pub(crate) fn map<T>(count: usize, f: impl Fn(usize) -> T) -> Vec<T> {
+    (0..count).map(f).collect()
+}
