@@ -1,3 +1,25 @@
-//! Guided.
+//! Trees as least-cost paths in an irregular graph, steered by guiding vectors.
+//!
+//! After Xu and Mould 2015, "Procedural Tree Modeling with Guiding Vectors"; sections and figures named in this
+//! module are that paper's.
+//!
+//! [`TreeSynth`] composes a [`GraphBuilder`], a list of [`Stage`]s, each with a [`GuidingRule`], a [`WeightFn`] and
+//! an [`EndpointPolicy`], and a [`RadiusModel`](crate::RadiusModel).
+
+mod endpoint;
 mod graph;
-pub use graph::*;
+mod rule;
+mod search;
+mod synth;
+mod weight;
+
+pub use endpoint::{
+    Count, EndpointError, EndpointPolicy, HopSurface, InShape, NearestTo, Side, StageView,
+};
+pub use graph::{Edges, Graph, GraphBuilder, GraphError, Lattice, PointCloud, PoissonYao};
+pub use rule::{
+    Bend, BendAxis, Blend, ByHeight, ByStage, FollowField, GuidingRule, Jitter, Source, SourceElevation, Step,
+};
+pub use search::{Search, SearchError};
+pub use synth::{Growth, Stage, SynthesisError, TreeSynth};
+pub use weight::{Edge, Guided, GuidedPower, Length, Multimodal, WeightFn, Within};

@@ -1,0 +1,204 @@
+//! Which nodes branches grow to (sections 3.2.2 to 3.2.4).
+
+mod surface;
+mod volume;
+
+pub use surface::{HopSurface, Side};
+pub use volume::{InShape, NearestTo};
+
+use super::graph::Graph;
+use super::search::Search;
+use crate::parameter::ParameterError;
+use crate::random::{Purpose, stream};
+use glam::Vec3;
+use rand::seq::SliceRandom;
+use rand_chacha::ChaCha8Rng;
+use std::sync::Arc;
+
+/// Chooses the endpoints of a stage: the paths to them become branches.
+///
+/// # Contract
+/// - Endpoints are nodes of the graph; any other ends the synthesis with [`SearchError::UnknownEndpoint`]. One that
+///   no path leads to ends it with [`SearchError::Unreachable`]; [`StageView::is_reachable`] tells them apart.
+///   One that is named twice or is on the tree already is allowed and adds nothing.
+/// - What looks at costs, paths or sources says so in [`needs_search`](Self::needs_search). If it does not, it is
+///   asked before the search, and sees none.
+/// - The same view gives the same endpoints: randomness comes from [`StageView::stream`].
+///
+/// [`SearchError::UnknownEndpoint`]: super::SearchError::UnknownEndpoint
+/// [`SearchError::Unreachable`]: super::SearchError::Unreachable
+///
+/// ```
+/// use treesynth::{EndpointPolicy, guided::{EndpointError, StageView}};
+///
+/// /// Every node that costs at most so much to reach.
+/// struct Affordable { cost: f32 }
+///
+/// impl EndpointPolicy for Affordable {
+///     fn select(&self, view: &StageView<'_>) -> Result<Vec<u32>, EndpointError> {
+///         let affordable = |&node: &u32| view.search().cost(node).is_some_and(|cost| cost <= self.cost);
+///         Ok((0..view.graph().nodes() as u32).filter(affordable).collect())
+///     }
+///     fn needs_search(&self) -> bool {
+///         true
+///     }
+/// }
+/// ```
+pub trait EndpointPolicy: Send + Sync {
+    /// The endpoints of the stage.
+    ///
+    /// # Errors
+    /// When there are not enough candidates, or for a reason of your own.
+    fn select(&self, view: &StageView<'_>) -> Result<Vec<u32>, EndpointError>;
+
+    /// Whether the choice depends on the stage's search. If not, the search stops once all endpoints are
+    /// settled, which is faster and finds the same paths.
+    fn needs_search(&self) -> bool {
+        false
+    }
+
+    /// Whether the options are in range; asked once, before synthesis starts.
+    ///
+    /// # Errors
+    /// The first option that is not.
+    fn check(&self) -> Result<(), ParameterError> {
+        Ok(())
+    }
+}
+
+macro_rules! forward {
+    ($($pointer:ty),*) => {$(
+        impl<T: EndpointPolicy + ?Sized> EndpointPolicy for $pointer {
+            fn select(&self, view: &StageView<'_>) -> Result<Vec<u32>, EndpointError> {
+                (**self).select(view)
+            }
+            fn needs_search(&self) -> bool {
+                (**self).needs_search()
+            }
+            fn check(&self) -> Result<(), ParameterError> {
+                (**self).check()
+            }
+        }
+    )*};
+}
+forward!(&T, Box<T>, Arc<T>);
+
+/// Why a policy found no endpoints.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum EndpointError {
+    /// Fewer candidates than endpoints wanted.
+    #[error("{wanted} endpoints are wanted, but only {available} candidate nodes are {place}")]
+    TooFew {
+        /// How many are wanted.
+        wanted: usize,
+        /// How many there are.
+        available: usize,
+        /// Where candidates are looked for, e.g. "off the tree, in the shape and reachable".
+        place: &'static str,
+    },
+    /// For policies outside of this crate: anything else.
+    #[error("{0}")]
+    Other(String),
+}
+
+/// How many endpoints (section 3.2.4).
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
+pub enum Count {
+    /// Exactly so many; an error if there are fewer candidates.
+    Exactly(usize),
+    /// So many, or all candidates if they are fewer; at least one.
+    UpTo(usize),
+    /// This share of the candidates, in (0, 1], rounded up.
+    Share(f32),
+}
+
+impl From<usize> for Count {
+    fn from(count: usize) -> Self {
+        Self::Exactly(count)
+    }
+}
+
+impl Count {
+    fn check(self, parameter: &str) -> Result<(), ParameterError> {
+        match self {
+            Self::Exactly(count) | Self::UpTo(count) => {
+                ParameterError::unless(count > 0, parameter, count, "at least 1")
+            }
+            Self::Share(share) => {
+                ParameterError::unless(share > 0.0 && share <= 1.0, parameter, share, "a share in (0, 1]")
+            }
+        }
+    }
+
+    fn of(self, available: usize, place: &'static str) -> Result<usize, EndpointError> {
+        let wanted = match self {
+            Self::Exactly(count) => count,
+            Self::UpTo(count) => count.min(available).max(1),
+            Self::Share(share) => ((available as f32 * share).ceil() as usize).max(1),
+        };
+        if wanted <= available { Ok(wanted) } else { Err(EndpointError::TooFew { wanted, available, place }) }
+    }
+}
+
+/// What a policy sees: the graph, the tree so far, and the search if there was one.
+#[derive(Debug, Clone, Copy)]
+pub struct StageView<'a> {
+    pub(super) search: &'a Search<'a>,
+    pub(super) stage: usize,
+    pub(super) seed: u64,
+}
+
+impl<'a> StageView<'a> {
+    /// The tree so far, and this stage's costs and paths if the policy [needs](EndpointPolicy::needs_search) them.
+    pub fn search(&self) -> &'a Search<'a> {
+        self.search
+    }
+
+    /// The graph.
+    pub fn graph(&self) -> &'a Graph {
+        self.search.graph()
+    }
+
+    /// The stage, from 0.
+    pub fn stage(&self) -> usize {
+        self.stage
+    }
+
+    /// The seed of the tree.
+    pub fn seed(&self) -> u64 {
+        self.seed
+    }
+
+    /// The random stream of this stage's endpoints.
+    pub fn stream(&self) -> ChaCha8Rng {
+        stream(self.seed, self.stage as u32, Purpose::ENDPOINTS, 0)
+    }
+
+    /// Whether a path leads to `node`: as far as edges go before the search, for certain after it.
+    pub fn is_reachable(&self, node: u32) -> bool {
+        if self.search.is_complete() {
+            self.search.is_settled(node)
+        } else {
+            self.graph().hops_from_root()[node as usize] != u32::MAX
+        }
+    }
+
+    /// The reachable nodes off the tree that `filter` lets through, ascending. O(n).
+    pub fn candidates(&self, filter: impl Fn(u32, Vec3) -> bool) -> Vec<u32> {
+        (0..)
+            .zip(self.graph().positions())
+            .filter(|&(node, &position)| {
+                !self.search.is_on_tree(node) && filter(node, position) && self.is_reachable(node)
+            })
+            .map(|(node, _)| node)
+            .collect()
+    }
+}
+
+/// `count` of the candidates, all choices equally likely.
+fn choose_uniform(mut candidates: Vec<u32>, count: usize, random: &mut ChaCha8Rng) -> Vec<u32> {
+    let (chosen, _) = candidates.partial_shuffle(random, count);
+    chosen.to_vec()
+}

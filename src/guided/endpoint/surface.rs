@@ -1,0 +1,177 @@
+//! Late endpoints: on a surface extrapolated from the tree so far (section 3.2.3).
+
+use super::{Count, EndpointError, EndpointPolicy, StageView, choose_uniform};
+use crate::guided::graph::Graph;
+use crate::parameter::ParameterError;
+use crate::random::{Purpose, unit};
+use std::cmp::Reverse;
+use std::collections::BinaryHeap;
+
+/// Endpoints among the nodes exactly k hops from the tree, of which the outermost fraction t is kept.
+///
+/// "We use the heuristic that trees grow outwards from the root, and hence order the surface nodes by the number
+/// of edges from the root; we then take the subset of the surface consisting of its outermost fraction, for some
+/// proportion t" (figures 11 and 12). Nodes of equal hops are ordered by their distance from the root.
+///
+/// O(n log n).
+#[derive(Debug, Clone, PartialEq)]
+pub struct HopSurface {
+    hops: u32,
+    count: Count,
+    outermost: f32,
+    randomness: f32,
+    side: Option<Side>,
+}
+
+/// On which side of the source of its path an endpoint may be.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum Side {
+    /// Only lower than the source: branches hang (figure 13).
+    Lower,
+    /// Only higher than the source: "a pronounced upward trend" (figure 17 (d)).
+    Higher,
+}
+
+impl HopSurface {
+    /// `count` endpoints exactly `hops` edges, in [1, 1000], from the tree. t is 0.6: "we consider this to strike
+    /// a good balance and have used it for most of our examples".
+    pub fn new(hops: u32, count: impl Into<Count>) -> Self {
+        Self { hops, count: count.into(), outermost: 0.6, randomness: 0.0, side: None }
+    }
+
+    /// The fraction t of the surface's nodes that is kept, the outermost, in (0, 1]. 1 covers "the entire tree
+    /// with small twigs".
+    pub fn with_outermost(mut self, fraction: f32) -> Self {
+        self.outermost = fraction;
+        self
+    }
+
+    /// Graph distance with random weights instead of hops: each edge counts 1 ± `randomness`, in [0, 1), and the
+    /// surface is where the distance rounds to k. 0 counts hops.
+    pub fn with_random_weights(mut self, randomness: f32) -> Self {
+        self.randomness = randomness;
+        self
+    }
+
+    /// Only endpoints lower, or only endpoints higher, than the source their path starts from.
+    pub fn only(mut self, side: Side) -> Self {
+        self.side = Some(side);
+        self
+    }
+
+    /// Distance of each node from the nearest of `sources`, up to `limit`.
+    fn distances(&self, graph: &Graph, sources: &[u32], limit: f32, view: &StageView<'_>) -> Vec<f32> {
+        let mut distance = vec![f32::INFINITY; graph.nodes()];
+        let mut queue = BinaryHeap::new();
+        for &source in sources {
+            distance[source as usize] = 0.0;
+            queue.push(Reverse((0u32, source)));
+        }
+        while let Some(Reverse((bits, node))) = queue.pop() {
+            let here = f32::from_bits(bits);
+            if here > distance[node as usize] {
+                continue;
+            }
+            for &to in graph.neighbours(node) {
+                let edge = u64::from(node) << 32 | u64::from(to);
+                let draw = unit(view.seed(), view.stage() as u32, Purpose::EDGE_WEIGHT, edge);
+                let there = here + 1.0 + self.randomness * (2.0 * draw - 1.0);
+                if there <= limit && there < distance[to as usize] {
+                    distance[to as usize] = there;
+                    queue.push(Reverse((there.to_bits(), to)));
+                }
+            }
+        }
+        distance
+    }
+
+    /// The surface: nodes k hops from the tree, ascending.
+    fn surface(&self, view: &StageView<'_>) -> Vec<u32> {
+        let (graph, search) = (view.graph(), view.search());
+        if self.randomness > 0.0 {
+            let distance = self.distances(graph, search.tree(), self.hops as f32 + 0.5, view);
+            let wanted = self.hops as f32;
+            return (0..).zip(distance).filter(|&(_, d)| d.round() == wanted).map(|(node, _)| node).collect();
+        }
+        let mut seen: Vec<bool> = (0..graph.nodes() as u32).map(|node| search.is_on_tree(node)).collect();
+        let mut ring = search.tree().to_vec();
+        for _ in 0..self.hops {
+            let mut next = Vec::new();
+            for &node in &ring {
+                for &to in graph.neighbours(node) {
+                    if !std::mem::replace(&mut seen[to as usize], true) {
+                        next.push(to);
+                    }
+                }
+            }
+            ring = next;
+        }
+        ring.sort_unstable();
+        ring
+    }
+
+    /// The surface's outermost fraction.
+    fn outer_surface(&self, view: &StageView<'_>) -> Vec<u32> {
+        let graph = view.graph();
+        let mut surface = self.surface(view);
+        surface.retain(|&node| !view.search().is_on_tree(node) && view.is_reachable(node));
+        if self.outermost >= 1.0 {
+            return surface;
+        }
+        let root = graph.position(graph.root());
+        let away = |node: u32| graph.position(node).distance_squared(root);
+        let kept = (surface.len() as f32 * self.outermost).ceil() as usize;
+        // Bits of floats that are not negative are in the floats' order.
+        let mut ranked: Vec<(Reverse<u32>, Reverse<u32>, u32)> = if self.randomness > 0.0 {
+            let distance = self.distances(graph, &[graph.root()], f32::INFINITY, view);
+            let rank = |node: u32| Reverse(distance[node as usize].to_bits());
+            surface.into_iter().map(|node| (rank(node), Reverse(away(node).to_bits()), node)).collect()
+        } else {
+            let hops = graph.hops_from_root();
+            let rank = |node: u32| Reverse(hops[node as usize]);
+            surface.into_iter().map(|node| (rank(node), Reverse(away(node).to_bits()), node)).collect()
+        };
+        ranked.sort_unstable();
+        ranked.truncate(kept);
+        ranked.into_iter().map(|(_, _, node)| node).collect()
+    }
+}
+
+impl EndpointPolicy for HopSurface {
+    fn select(&self, view: &StageView<'_>) -> Result<Vec<u32>, EndpointError> {
+        let mut surface = self.outer_surface(view);
+        if let Some(side) = self.side {
+            let height = |node: u32| view.graph().position(node).y;
+            surface.retain(|&node| {
+                view.search().source(node).is_some_and(|source| match side {
+                    Side::Lower => height(node) < height(source),
+                    Side::Higher => height(node) > height(source),
+                })
+            });
+        }
+        let count = self.count.of(surface.len(), "on the surface")?;
+        Ok(choose_uniform(surface, count, &mut view.stream()))
+    }
+
+    fn needs_search(&self) -> bool {
+        self.side.is_some()
+    }
+
+    fn check(&self) -> Result<(), ParameterError> {
+        self.count.check("HopSurface.count")?;
+        ParameterError::unless((1..=1000).contains(&self.hops), "HopSurface.hops", self.hops, "in [1, 1000]")?;
+        ParameterError::unless(
+            self.outermost > 0.0 && self.outermost <= 1.0,
+            "HopSurface.outermost",
+            self.outermost,
+            "in (0, 1]",
+        )?;
+        ParameterError::unless(
+            (0.0..1.0).contains(&self.randomness),
+            "HopSurface.random_weights",
+            self.randomness,
+            "in [0, 1)",
+        )
+    }
+}

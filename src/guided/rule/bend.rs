@@ -1,0 +1,122 @@
+//! Incremental rotations: constant, piecewise (equation 1), random, and by the angle to the axis (equation 2).
+
+use super::{GuidingRule, Step};
+use crate::math::{Rotation, UP, angle_between};
+use crate::parameter::ParameterError;
+use crate::random::Purpose;
+use glam::Vec3;
+use std::f32::consts::{PI, TAU};
+
+/// The axis of an incremental rotation. The paper says both.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[non_exhaustive]
+pub enum BendAxis {
+    /// Perpendicular to up and the traversed edge (section 3.2.1): branches of a vertical trunk bend each to its
+    /// own side. The default.
+    #[default]
+    UpCrossEdge,
+    /// Perpendicular to up and the parent's vector (section 3.1.2). A vertical vector stays vertical, so sources
+    /// need other vectors, e.g. by [`SourceElevation`](super::SourceElevation).
+    UpCrossVector,
+}
+
+/// The vector of the node before, turned away from up by an angle (radians).
+///
+/// Angles from -2π to 2π; negative ones turn towards up.
+///
+/// ```
+/// use treesynth::{GuidingRule, guided::Bend};
+///
+/// // The upper right tree of figure 5: outwards and downwards for 20 hops, then up again.
+/// let degrees = f32::to_radians;
+/// Bend::piecewise(degrees(6.0), degrees(-6.0), 20).check().unwrap();
+/// ```
+#[derive(Debug, Clone)]
+pub struct Bend {
+    angle: Angle,
+    axis: BendAxis,
+}
+
+#[derive(Debug, Clone)]
+enum Angle {
+    Piecewise { angles: [f32; 2], rotations: [Rotation; 2], hops: u32 },
+    Random { low: f32, high: f32, rest: f32, rotation: Rotation, hops: u32 },
+    FromAxis { theta: f32 },
+}
+
+impl Bend {
+    fn new(angle: Angle) -> Self {
+        Self { angle, axis: BendAxis::default() }
+    }
+
+    /// No rotation: every node keeps the vector of the node before, as along a straight trunk.
+    pub fn none() -> Self {
+        Self::constant(0.0)
+    }
+
+    /// The same `angle` at every hop.
+    pub fn constant(angle: f32) -> Self {
+        Self::piecewise(angle, angle, 0)
+    }
+
+    /// Equation 1: `first` at the first `hops` nodes from the source, `rest` after that.
+    pub fn piecewise(first: f32, rest: f32, hops: u32) -> Self {
+        let angles = [first, rest];
+        Self::new(Angle::Piecewise { angles, rotations: angles.map(Rotation::new), hops })
+    }
+
+    /// Equation 1 with a random first angle in [`low`, `high`): one for each source node, so that "each node on
+    /// the trunk has a different random direction" (figure 6 (c)).
+    pub fn random(low: f32, high: f32, rest: f32, hops: u32) -> Self {
+        Self::new(Angle::Random { low, high, rest, rotation: Rotation::new(rest), hops })
+    }
+
+    /// Equation 2: `theta * √(β / π)`, with β the angle between up and the way from the root to the node.
+    pub fn from_axis(theta: f32) -> Self {
+        Self::new(Angle::FromAxis { theta })
+    }
+
+    /// Turns about another axis.
+    pub fn with_axis(mut self, axis: BendAxis) -> Self {
+        self.axis = axis;
+        self
+    }
+}
+
+impl GuidingRule for Bend {
+    #[inline]
+    fn guide(&self, step: &Step<'_>) -> Vec3 {
+        let rotation = match &self.angle {
+            Angle::Piecewise { rotations, hops, .. } => rotations[usize::from(step.hops > *hops)],
+            Angle::Random { rotation, hops, .. } if step.hops > *hops => *rotation,
+            Angle::Random { low, high, .. } => {
+                let draw = step.random(Purpose::SOURCE_ANGLE, step.source());
+                Rotation::new(low + (high - low) * draw)
+            }
+            Angle::FromAxis { theta } => {
+                let beta = angle_between(step.position - step.root(), UP);
+                Rotation::new(theta * (beta / PI).sqrt())
+            }
+        };
+        step.bent(rotation, self.axis)
+    }
+
+    fn check(&self) -> Result<(), ParameterError> {
+        let angle = |parameter, angle: f32| {
+            ParameterError::unless(angle.abs() <= TAU, parameter, angle, "in [-2π, 2π] radians")
+        };
+        match self.angle {
+            Angle::Piecewise { angles: [first, rest], .. } => {
+                angle("Bend.first", first)?;
+                angle("Bend.rest", rest)
+            }
+            Angle::Random { low, high, rest, .. } => {
+                angle("Bend.low", low)?;
+                angle("Bend.high", high)?;
+                angle("Bend.rest", rest)?;
+                ParameterError::unless(low <= high, "Bend.low", low, "at most Bend.high")
+            }
+            Angle::FromAxis { theta } => angle("Bend.theta", theta),
+        }
+    }
+}

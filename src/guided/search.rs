@@ -1,0 +1,390 @@
+//! Least-cost paths from the tree so far, with weights fixed lazily (sections 3.1.2 to 3.1.4).
+
+use super::graph::Graph;
+use super::rule::{GuidingRule, Source, Step};
+use super::weight::{Edge, WeightFn};
+use crate::math::UP;
+use crate::observer::{Cancelled, Observer, Work, report};
+use glam::Vec3;
+use std::collections::BinaryHeap;
+
+/// Not a node; also: not on the tree.
+const NONE: u32 = u32::MAX;
+/// Nodes settled between two reports.
+const REPORT_EVERY: usize = 1 << 14;
+
+/// The search through one graph and the tree that grows in it.
+///
+/// A tree begins as the root alone. Each stage searches paths from all nodes of the tree, and the paths to some
+/// endpoints become part of it. A value can be used for many trees on one graph: what it holds is allocated once,
+/// 29 bytes a node.
+#[derive(Debug, Clone)]
+pub struct Search<'g> {
+    graph: &'g Graph,
+    /// Least cost found so far; 0 on the tree.
+    cost: Vec<f32>,
+    parent: Vec<u32>,
+    /// Guiding vector of each settled node.
+    vector: Vec<Vec3>,
+    hops: Vec<u32>,
+    settled: Vec<bool>,
+    /// Index in `tree`, or `NONE`.
+    place: Vec<u32>,
+    /// Nodes of the tree, each after its parent.
+    tree: Vec<u32>,
+    /// Stage in which each node of `tree` joined.
+    stages: Vec<u16>,
+    queue: BinaryHeap<Entry>,
+    complete: bool,
+}
+
+/// What a rule or a weight did that no search can go on with.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum SearchError {
+    /// The guiding rule's vector has no direction.
+    #[error("stage {stage}: the guiding rule gave node {node} the vector {vector}, but it must be finite and not zero")]
+    Vector {
+        /// The stage, from 0.
+        stage: usize,
+        /// The node.
+        node: u32,
+        /// What the rule returned.
+        vector: Vec3,
+    },
+    /// The weight of an edge is NaN or negative.
+    #[error("stage {stage}: the weight function gave edge {from} -> {to} the weight {weight}, but it must be at least 0, or infinite to forbid the edge")]
+    Weight {
+        /// The stage, from 0.
+        stage: usize,
+        /// Where the edge starts.
+        from: u32,
+        /// Where it ends.
+        to: u32,
+        /// What the function returned.
+        weight: f32,
+    },
+    /// An endpoint that is not a node of the graph.
+    #[error("stage {stage}: the endpoint policy named node {node}, but there are {nodes} nodes")]
+    UnknownEndpoint {
+        /// The stage, from 0.
+        stage: usize,
+        /// The node named.
+        node: u32,
+        /// The number of nodes.
+        nodes: usize,
+    },
+    /// No path leads to an endpoint.
+    #[error("stage {stage}: no path leads from the tree to the endpoint {node}")]
+    Unreachable {
+        /// The stage, from 0.
+        stage: usize,
+        /// The endpoint.
+        node: u32,
+    },
+    /// The observer cancelled the work.
+    #[error("cancelled by the observer")]
+    Cancelled,
+}
+
+impl From<Cancelled> for SearchError {
+    fn from(_: Cancelled) -> Self {
+        Self::Cancelled
+    }
+}
+
+/// (cost, node) in one number whose order is theirs reversed, for `BinaryHeap` gives the largest first. The bits
+/// of floats that are not negative are in the floats' order.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+struct Entry(u64);
+
+impl Entry {
+    #[inline]
+    fn new(cost: f32, node: u32) -> Self {
+        Self(!(u64::from(cost.to_bits()) << 32 | u64::from(node)))
+    }
+
+    #[inline]
+    fn node(self) -> u32 {
+        !self.0 as u32
+    }
+}
+
+/// What a search runs with.
+pub(super) struct Terms<'a> {
+    pub(super) rule: &'a dyn GuidingRule,
+    pub(super) weight: &'a dyn WeightFn,
+    pub(super) stage: usize,
+    pub(super) stages: usize,
+    pub(super) seed: u64,
+    pub(super) observer: &'a dyn Observer,
+}
+
+impl<'g> Search<'g> {
+    /// The root alone, nothing searched.
+    pub fn new(graph: &'g Graph) -> Self {
+        let nodes = graph.nodes();
+        let mut search = Self {
+            graph,
+            cost: vec![f32::INFINITY; nodes],
+            parent: vec![NONE; nodes],
+            vector: vec![UP; nodes],
+            hops: vec![0; nodes],
+            settled: vec![false; nodes],
+            place: vec![NONE; nodes],
+            tree: Vec::new(),
+            stages: Vec::new(),
+            queue: BinaryHeap::new(),
+            complete: false,
+        };
+        search.plant();
+        search
+    }
+
+    /// Forgets the tree; the next begins with the root alone.
+    pub fn reset(&mut self) {
+        self.place.fill(NONE);
+        self.tree.clear();
+        self.stages.clear();
+        self.plant();
+    }
+
+    fn plant(&mut self) {
+        let root = self.graph.root();
+        self.forget();
+        self.parent[root as usize] = NONE;
+        // "The root node has distance zero, and has a vertical guiding vector."
+        self.vector[root as usize] = UP;
+        self.hops[root as usize] = 0;
+        self.join(root, 0);
+    }
+
+    /// "Nodes that are not part of the structure are reinitialized" (section 3.1.4).
+    pub(super) fn forget(&mut self) {
+        for node in 0..self.cost.len() {
+            let on_tree = self.place[node] != NONE;
+            self.cost[node] = if on_tree { 0.0 } else { f32::INFINITY };
+            self.settled[node] = false;
+        }
+        self.queue.clear();
+        self.complete = false;
+    }
+
+    /// Searches from all nodes of the tree; to the end, or until all of `targets` are settled.
+    ///
+    /// Expects [`forget`](Self::forget) before it. Stopping is exact: weights are not negative, so later nodes cannot change the path to a settled one.
+    pub(super) fn run(&mut self, terms: &Terms<'_>, targets: Option<&[u32]>) -> Result<(), SearchError> {
+        let work = Work::Stage { index: terms.stage, of: terms.stages };
+        report(terms.observer, work, 0.0)?;
+        for index in 0..self.tree.len() {
+            let node = self.tree[index];
+            let source = Source {
+                node,
+                position: self.graph.position(node),
+                root: self.graph.position(self.graph.root()),
+                vector: self.vector[node as usize],
+                stage: terms.stage,
+                seed: terms.seed,
+            };
+            self.vector[node as usize] = unit_vector(terms.rule.source(&source), terms.stage, node)?;
+            self.queue.push(Entry::new(0.0, node));
+        }
+        let mut wanted = targets.map(|targets| {
+            let mut open = targets.to_vec();
+            open.sort_unstable();
+            open.dedup();
+            (open.len(), open)
+        });
+        let mut count = 0;
+        while let Some(entry) = self.queue.pop() {
+            let node = entry.node();
+            if self.settled[node as usize] {
+                continue;
+            }
+            self.settle(node, terms)?;
+            if let Some((left, open)) = &mut wanted
+                && open.binary_search(&node).is_ok()
+            {
+                *left -= 1;
+                if *left == 0 {
+                    return Ok(report(terms.observer, work, 1.0)?);
+                }
+            }
+            count += 1;
+            if count % REPORT_EVERY == 0 {
+                report(terms.observer, work, count as f32 / (self.graph.nodes() + 1) as f32)?;
+            }
+        }
+        self.complete = true;
+        Ok(report(terms.observer, work, 1.0)?)
+    }
+
+    /// "The event of finalizing a node's cost also fixes its guiding vector", then its edges get their weights.
+    fn settle(&mut self, node: u32, terms: &Terms<'_>) -> Result<(), SearchError> {
+        let graph = self.graph;
+        let here = node as usize;
+        let position = graph.position(node);
+        self.settled[here] = true;
+        if self.place[here] == NONE {
+            let parent = self.parent[here];
+            let start = graph.position(parent);
+            let length = position.distance(start);
+            self.hops[here] = if self.place[parent as usize] == NONE { self.hops[parent as usize] + 1 } else { 1 };
+            let step = Step {
+                search: self,
+                node,
+                from: parent,
+                position,
+                edge: (position - start) / length,
+                length,
+                vector: self.vector[parent as usize],
+                hops: self.hops[here],
+                stage: terms.stage,
+                seed: terms.seed,
+            };
+            self.vector[here] = unit_vector(terms.rule.guide(&step), terms.stage, node)?;
+        }
+        let (vector, cost) = (self.vector[here], self.cost[here]);
+        for &to in graph.neighbours(node) {
+            // A settled node has its least cost; asking for the weight would be in vain.
+            if self.settled[to as usize] {
+                continue;
+            }
+            let end = graph.position(to);
+            let length = end.distance(position);
+            let edge = Edge {
+                from: node,
+                to,
+                start: position,
+                end,
+                direction: (end - position) / length,
+                length,
+                vector,
+                stage: terms.stage,
+                seed: terms.seed,
+            };
+            let weight = terms.weight.weight(&edge);
+            if weight.is_nan() || weight < 0.0 {
+                return Err(SearchError::Weight { stage: terms.stage, from: node, to, weight });
+            }
+            // `+ 0.0` turns a weight of -0 into 0, whose bits are in order.
+            let through = cost + weight + 0.0;
+            if through < self.cost[to as usize] {
+                self.cost[to as usize] = through;
+                self.parent[to as usize] = node;
+                self.queue.push(Entry::new(through, to));
+            }
+        }
+        Ok(())
+    }
+
+    /// Adds the least-cost paths to `endpoints` to the tree.
+    pub(super) fn extend(&mut self, endpoints: &[u32], stage: usize) -> Result<(), SearchError> {
+        for &node in endpoints {
+            if node as usize >= self.graph.nodes() {
+                return Err(SearchError::UnknownEndpoint { stage, node, nodes: self.graph.nodes() });
+            }
+            if !self.settled[node as usize] {
+                return Err(SearchError::Unreachable { stage, node });
+            }
+        }
+        let mut path = Vec::new();
+        for &endpoint in endpoints {
+            let mut node = endpoint;
+            while self.place[node as usize] == NONE {
+                path.push(node);
+                node = self.parent[node as usize];
+            }
+            while let Some(node) = path.pop() {
+                self.join(node, stage);
+            }
+        }
+        Ok(())
+    }
+
+    fn join(&mut self, node: u32, stage: usize) {
+        self.place[node as usize] = self.tree.len() as u32;
+        self.cost[node as usize] = 0.0;
+        self.tree.push(node);
+        self.stages.push(stage as u16);
+    }
+
+    /// The graph.
+    pub fn graph(&self) -> &'g Graph {
+        self.graph
+    }
+
+    /// The nodes of the tree so far, the root first, each after its parent.
+    pub fn tree(&self) -> &[u32] {
+        &self.tree
+    }
+
+    /// The stage in which each node of [`tree`](Self::tree) joined it.
+    pub fn stages(&self) -> &[u16] {
+        &self.stages
+    }
+
+    /// Whether `node` is on the tree.
+    ///
+    /// # Panics
+    /// As all methods that take a node: when there is no such node.
+    #[inline]
+    pub fn is_on_tree(&self, node: u32) -> bool {
+        self.place[node as usize] != NONE
+    }
+
+    /// Place of `node` in [`tree`](Self::tree).
+    pub fn place(&self, node: u32) -> Option<usize> {
+        Some(self.place[node as usize]).filter(|&place| place != NONE).map(|place| place as usize)
+    }
+
+    /// Whether the latest search went to its end, so that what is not settled cannot be reached.
+    pub fn is_complete(&self) -> bool {
+        self.complete
+    }
+
+    /// Whether the latest search has settled `node`: its cost and path are final.
+    #[inline]
+    pub fn is_settled(&self, node: u32) -> bool {
+        self.settled[node as usize]
+    }
+
+    /// Least cost from the tree to `node` in the latest search, if settled. Zero on the tree.
+    pub fn cost(&self, node: u32) -> Option<f32> {
+        self.is_settled(node).then(|| self.cost[node as usize])
+    }
+
+    /// The unit guiding vector of `node`, if settled.
+    pub fn vector(&self, node: u32) -> Option<Vec3> {
+        self.is_settled(node).then(|| self.vector[node as usize])
+    }
+
+    /// The node before `node` on its path; `None` for the root and where nothing has been found.
+    pub fn parent(&self, node: u32) -> Option<u32> {
+        let known = self.is_on_tree(node) || self.cost[node as usize] < f32::INFINITY;
+        Some(self.parent[node as usize]).filter(|&parent| known && parent != NONE)
+    }
+
+    /// Edges from the source of the stage in which `node` was settled; 0 at the root.
+    pub fn hops(&self, node: u32) -> u32 {
+        self.hops[node as usize]
+    }
+
+    /// The node of the tree that the path to `node` starts from. O(hops).
+    pub fn source(&self, node: u32) -> Option<u32> {
+        let mut node = node;
+        while !self.is_on_tree(node) {
+            node = self.parent(node)?;
+        }
+        Some(node)
+    }
+}
+
+#[inline]
+fn unit_vector(vector: Vec3, stage: usize, node: u32) -> Result<Vec3, SearchError> {
+    let length = vector.length_squared();
+    if (length - 1.0).abs() < 1e-6 {
+        return Ok(vector);
+    }
+    vector.try_normalize().ok_or(SearchError::Vector { stage, node, vector })
+}

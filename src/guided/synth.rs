@@ -1,0 +1,301 @@
+//! The pipeline: graph, stages, radii.
+
+use super::endpoint::{EndpointError, EndpointPolicy, StageView};
+use super::graph::{Graph, GraphBuilder, GraphError};
+use super::rule::GuidingRule;
+use super::search::{Search, SearchError, Terms};
+use super::weight::{Guided, WeightFn};
+use crate::observer::{Cancelled, Observer, Silent, Work, report};
+use crate::parameter::ParameterError;
+use crate::radius::{PipeModel, RadiusError, RadiusModel};
+use crate::skeleton::{Skeleton, SkeletonError};
+use std::sync::Arc;
+
+/// One iteration of the paper: a search with its rule and weights, and the endpoints whose paths join the tree.
+///
+/// Cloning shares the strategies.
+#[derive(Clone)]
+pub struct Stage {
+    rule: Arc<dyn GuidingRule>,
+    weight: Arc<dyn WeightFn>,
+    endpoints: Arc<dyn EndpointPolicy>,
+}
+
+impl std::fmt::Debug for Stage {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("Stage").finish_non_exhaustive()
+    }
+}
+
+impl Stage {
+    /// A stage with the paper's weight, [`Guided`].
+    pub fn new(rule: impl GuidingRule + 'static, endpoints: impl EndpointPolicy + 'static) -> Self {
+        Self { rule: Arc::new(rule), weight: Arc::new(Guided), endpoints: Arc::new(endpoints) }
+    }
+
+    /// Other weights.
+    pub fn with_weight(mut self, weight: impl WeightFn + 'static) -> Self {
+        self.weight = Arc::new(weight);
+        self
+    }
+
+    fn check(&self) -> Result<(), ParameterError> {
+        self.rule.check()?;
+        self.weight.check()?;
+        self.endpoints.check()
+    }
+}
+
+/// Grows trees: a graph, stages, and a radius model.
+///
+/// Cloning shares the strategies. A value can be used from several threads at once.
+///
+/// ```
+/// use treesynth::glam::Vec3;
+/// use treesynth::guided::{Bend, Count, HopSurface, InShape, NearestTo, PoissonYao, Stage, TreeSynth};
+/// use treesynth::shape::{Cuboid, Ellipsoid};
+///
+/// let region = Cuboid::new(Vec3::new(-3.0, 0.0, -3.0), Vec3::new(3.0, 6.0, 3.0));
+/// let crown = Ellipsoid::new(Vec3::Y * 3.8, Vec3::new(1.8, 1.8, 1.8));
+/// let degrees = f32::to_radians;
+/// let tree = TreeSynth::new(PoissonYao::new(region).with_nodes(10_000))
+///     .stage(Stage::new(Bend::none(), NearestTo::new(Vec3::Y * 4.5)))
+///     .stage(Stage::new(Bend::piecewise(degrees(60.0), 0.0, 1), InShape::poisson_disc(crown, 40)))
+///     .stage(Stage::new(Bend::piecewise(degrees(30.0), 0.0, 1), HopSurface::new(2, Count::UpTo(300))))
+///     .synthesize(7)?;
+/// assert!(tree.tips().count() > 200);
+/// # Ok::<(), treesynth::SynthesisError>(())
+/// ```
+#[derive(Clone)]
+pub struct TreeSynth {
+    graph: Arc<dyn GraphBuilder>,
+    stages: Vec<Stage>,
+    radius: Arc<dyn RadiusModel>,
+}
+
+impl std::fmt::Debug for TreeSynth {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("TreeSynth").field("stages", &self.stages.len()).finish_non_exhaustive()
+    }
+}
+
+/// A tree, and how it lies in its graph.
+#[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
+pub struct Growth {
+    /// The tree.
+    pub skeleton: Skeleton,
+    /// The graph's node behind each node of the skeleton.
+    pub nodes: Vec<u32>,
+    /// The endpoints of each stage, nodes of the graph.
+    pub endpoints: Vec<Vec<u32>>,
+}
+
+/// Why there is no tree.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum SynthesisError {
+    /// An option is out of its range.
+    #[error(transparent)]
+    Parameter(#[from] ParameterError),
+    /// There is no graph.
+    #[error("the graph: {0}")]
+    Graph(#[source] GraphError),
+    /// A rule, a weight or an endpoint is no use.
+    #[error(transparent)]
+    Search(SearchError),
+    /// A policy found no endpoints.
+    #[error("stage {stage}: {error}")]
+    Endpoints {
+        /// The stage, from 0.
+        stage: usize,
+        /// What the policy said.
+        #[source]
+        error: EndpointError,
+    },
+    /// The radius model failed.
+    #[error("the radii: {0}")]
+    Radius(#[from] RadiusError),
+    /// The radius model's numbers are no radii.
+    #[error("the tree: {0}")]
+    Skeleton(#[from] SkeletonError),
+    /// The observer cancelled the work.
+    #[error("cancelled by the observer")]
+    Cancelled,
+}
+
+impl From<Cancelled> for SynthesisError {
+    fn from(_: Cancelled) -> Self {
+        Self::Cancelled
+    }
+}
+
+impl From<GraphError> for SynthesisError {
+    fn from(error: GraphError) -> Self {
+        match error {
+            GraphError::Cancelled => Self::Cancelled,
+            GraphError::Parameter(error) => Self::Parameter(error),
+            error => Self::Graph(error),
+        }
+    }
+}
+
+impl From<SearchError> for SynthesisError {
+    fn from(error: SearchError) -> Self {
+        match error {
+            SearchError::Cancelled => Self::Cancelled,
+            error => Self::Search(error),
+        }
+    }
+}
+
+impl TreeSynth {
+    /// No stages yet, and the pipe model's radii.
+    pub fn new(graph: impl GraphBuilder + 'static) -> Self {
+        Self { graph: Arc::new(graph), stages: Vec::new(), radius: Arc::new(PipeModel::default()) }
+    }
+
+    /// Adds a stage. A tree takes 4 or 5 of them (section 3.1.4); at most 65,535.
+    pub fn stage(mut self, stage: Stage) -> Self {
+        self.stages.push(stage);
+        self
+    }
+
+    /// Another radius model.
+    pub fn with_radius(mut self, radius: impl RadiusModel + 'static) -> Self {
+        self.radius = Arc::new(radius);
+        self
+    }
+
+    /// Another graph.
+    pub fn with_graph(mut self, graph: impl GraphBuilder + 'static) -> Self {
+        self.graph = Arc::new(graph);
+        self
+    }
+
+    /// The stages.
+    pub fn stages(&self) -> &[Stage] {
+        &self.stages
+    }
+
+    /// Whether all options are in range. Synthesis asks this first.
+    ///
+    /// # Errors
+    /// The first option that is not.
+    pub fn check(&self) -> Result<(), ParameterError> {
+        self.graph.check()?;
+        self.check_growth()
+    }
+
+    fn check_growth(&self) -> Result<(), ParameterError> {
+        let stages = self.stages.len();
+        ParameterError::unless((1..=65_535).contains(&stages), "TreeSynth.stages", stages, "1 to 65535 stages")?;
+        self.stages.iter().try_for_each(Stage::check)?;
+        self.radius.check()
+    }
+
+    /// Builds the graph alone, for [`synthesize_on`](Self::synthesize_on).
+    ///
+    /// # Errors
+    /// Options out of range, or whatever the builder says.
+    pub fn build_graph(&self, seed: u64, observer: &dyn Observer) -> Result<Graph, SynthesisError> {
+        self.graph.check()?;
+        Ok(self.graph.build(seed, observer)?)
+    }
+
+    /// Builds the graph and grows the tree of `seed` in it.
+    ///
+    /// O(s n log n) for n nodes and s stages; in practice linear in n.
+    ///
+    /// # Errors
+    /// Options out of range, a graph that cannot be built, a strategy that breaks its contract, or too few
+    /// candidates for endpoints.
+    pub fn synthesize(&self, seed: u64) -> Result<Skeleton, SynthesisError> {
+        self.synthesize_observed(seed, &Silent)
+    }
+
+    /// As [`synthesize`](Self::synthesize), telling `observer` how far it is and stopping when told to.
+    ///
+    /// # Errors
+    /// As `synthesize`, and [`SynthesisError::Cancelled`].
+    pub fn synthesize_observed(&self, seed: u64, observer: &dyn Observer) -> Result<Skeleton, SynthesisError> {
+        self.check()?;
+        let graph = self.build_graph(seed, observer)?;
+        Ok(self.grow(&mut Search::new(&graph), seed, observer)?.skeleton)
+    }
+
+    /// Grows the tree of `seed` in a graph that is already built; "the same graph could be reused for each
+    /// experiment" (section 4). From several threads at once if you like.
+    ///
+    /// # Errors
+    /// As `synthesize`.
+    pub fn synthesize_on(&self, graph: &Graph, seed: u64) -> Result<Skeleton, SynthesisError> {
+        Ok(self.grow(&mut Search::new(graph), seed, &Silent)?.skeleton)
+    }
+
+    /// As [`synthesize_on`](Self::synthesize_on), in memory that can be used again for the next tree, and with all
+    /// there is to know about the result. Afterwards `search` still holds the tree and the last stage's search.
+    ///
+    /// # Errors
+    /// As `synthesize`, and [`SynthesisError::Cancelled`].
+    pub fn grow(&self, search: &mut Search<'_>, seed: u64, observer: &dyn Observer) -> Result<Growth, SynthesisError> {
+        self.check_growth()?;
+        search.reset();
+        let endpoints = (0..self.stages.len())
+            .map(|stage| self.grow_stage(search, stage, seed, observer))
+            .collect::<Result<_, _>>()?;
+        report(observer, Work::Radii, 0.0)?;
+        let skeleton = skeleton(search)?;
+        let radii = self.radius.radii(&skeleton)?;
+        let skeleton = skeleton.with_radii(radii)?;
+        report(observer, Work::Radii, 1.0)?;
+        Ok(Growth { skeleton, nodes: search.tree().to_vec(), endpoints })
+    }
+
+    /// One stage alone: searches from the tree in `search`, adds the paths to the endpoints and returns those.
+    /// Costs and vectors of the stage can be read from `search` until the next one begins.
+    ///
+    /// # Errors
+    /// As `synthesize`, [`SynthesisError::Cancelled`], and a parameter error when there is no such stage.
+    pub fn grow_stage(
+        &self,
+        search: &mut Search<'_>,
+        stage: usize,
+        seed: u64,
+        observer: &dyn Observer,
+    ) -> Result<Vec<u32>, SynthesisError> {
+        let stages = self.stages.len();
+        let Stage { rule, weight, endpoints } = self.stages.get(stage).ok_or_else(|| {
+            ParameterError::new("stage", stage, format!("below the number of stages, {stages}"))
+        })?;
+        search.forget();
+        let terms = Terms { rule, weight, stage, stages, seed, observer };
+        let select = |search: &Search<'_>| {
+            endpoints
+                .select(&StageView { search, stage, seed })
+                .map_err(|error| SynthesisError::Endpoints { stage, error })
+        };
+        let chosen = if endpoints.needs_search() || weight.forbids() {
+            search.run(&terms, None)?;
+            select(search)?
+        } else {
+            let chosen = select(search)?;
+            search.run(&terms, Some(&chosen))?;
+            chosen
+        };
+        search.extend(&chosen, stage)?;
+        Ok(chosen)
+    }
+}
+
+/// The tree so far as a skeleton without radii.
+fn skeleton(search: &Search<'_>) -> Result<Skeleton, SkeletonError> {
+    let tree = search.tree();
+    let positions = tree.iter().map(|&node| search.graph().position(node)).collect();
+    let parents = tree
+        .iter()
+        .map(|&node| search.parent(node).and_then(|parent| search.place(parent)).map(|place| place as u32))
+        .collect();
+    let hops = tree.iter().map(|&node| search.hops(node)).collect();
+    Skeleton::new(positions, parents)?.with_stages(search.stages().to_vec())?.with_hops(hops)
+}

@@ -1,0 +1,280 @@
+//! What an edge costs (section 3.1.2).
+
+use crate::math::{UP, cos, powf, sin};
+use crate::parameter::ParameterError;
+use crate::shape::Shape;
+use glam::Vec3;
+use std::sync::Arc;
+
+/// Gives each edge its weight, once the node it starts from has its guiding vector.
+///
+/// # Contract
+/// - A weight is at least 0, and infinite where an edge is forbidden. NaN and negative weights end the synthesis
+///   with [`SearchError::Weight`]: least-cost paths would not exist.
+/// - The same edge gives the same weight. If not, equal seeds no longer give equal trees.
+/// - A function that may return infinity says so in [`forbids`](Self::forbids). If it does not, endpoints may be
+///   chosen where no path leads, and the synthesis ends with [`SearchError::Unreachable`].
+///
+/// [`SearchError::Weight`]: super::SearchError::Weight
+/// [`SearchError::Unreachable`]: super::SearchError::Unreachable
+///
+/// ```
+/// use treesynth::{WeightFn, guided::Edge};
+///
+/// /// Guided as in the paper, but climbing costs extra.
+/// struct Heavy { gravity: f32 }
+///
+/// impl WeightFn for Heavy {
+///     fn weight(&self, edge: &Edge) -> f32 {
+///         edge.guided() + self.gravity * (edge.end.y - edge.start.y).max(0.0)
+///     }
+/// }
+/// ```
+pub trait WeightFn: Send + Sync {
+    /// The weight of `edge`.
+    fn weight(&self, edge: &Edge) -> f32;
+
+    /// Whether a weight may be infinite. Endpoints are then chosen after the search, among nodes it reached.
+    fn forbids(&self) -> bool {
+        false
+    }
+
+    /// Whether the options are in range; asked once, before synthesis starts.
+    ///
+    /// # Errors
+    /// The first option that is not.
+    fn check(&self) -> Result<(), ParameterError> {
+        Ok(())
+    }
+}
+
+macro_rules! forward {
+    ($($pointer:ty),*) => {$(
+        impl<T: WeightFn + ?Sized> WeightFn for $pointer {
+            fn weight(&self, edge: &Edge) -> f32 {
+                (**self).weight(edge)
+            }
+            fn forbids(&self) -> bool {
+                (**self).forbids()
+            }
+            fn check(&self) -> Result<(), ParameterError> {
+                (**self).check()
+            }
+        }
+    )*};
+}
+forward!(&T, Box<T>, Arc<T>);
+
+/// An edge of the graph, as seen from a settled node.
+#[derive(Debug, Clone, Copy)]
+#[non_exhaustive]
+pub struct Edge {
+    /// The node it starts from.
+    pub from: u32,
+    /// The node it leads to.
+    pub to: u32,
+    /// Where it starts, metres.
+    pub start: Vec3,
+    /// Where it ends, metres.
+    pub end: Vec3,
+    /// Unit vector along it.
+    pub direction: Vec3,
+    /// Its length, metres.
+    pub length: f32,
+    /// The unit guiding vector of the node it starts from.
+    pub vector: Vec3,
+    /// The stage, from 0.
+    pub stage: usize,
+    /// The seed of the tree.
+    pub seed: u64,
+}
+
+impl Edge {
+    /// The paper's weight, `d (1 - e·v)`: 0 along the guiding vector, 2d against it.
+    #[inline]
+    pub fn guided(&self) -> f32 {
+        self.length * self.deviation()
+    }
+
+    /// `1 - e·v`, in [0, 2], clamped at 0 against rounding.
+    #[inline]
+    pub fn deviation(&self) -> f32 {
+        (1.0 - self.direction.dot(self.vector)).max(0.0)
+    }
+}
+
+/// The paper's weight, `d (1 - e·v)`.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub struct Guided;
+
+impl WeightFn for Guided {
+    #[inline]
+    fn weight(&self, edge: &Edge) -> f32 {
+        edge.guided()
+    }
+}
+
+/// `d^a (1 - e·v)^b`: a power of the paper's weight where a = b.
+///
+/// b above 1 forgives small deviations and punishes large ones; a above 1 prefers many short edges to few long.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct GuidedPower {
+    length: f32,
+    deviation: f32,
+}
+
+impl GuidedPower {
+    /// Both exponents, in [0, 16]: a power of the whole weight.
+    pub fn new(exponent: f32) -> Self {
+        Self { length: exponent, deviation: exponent }
+    }
+
+    /// The exponent of the edge's length alone, in [0, 16].
+    pub fn with_length_exponent(mut self, exponent: f32) -> Self {
+        self.length = exponent;
+        self
+    }
+
+    /// The exponent of the deviation from the guiding vector alone, in [0, 16].
+    pub fn with_deviation_exponent(mut self, exponent: f32) -> Self {
+        self.deviation = exponent;
+        self
+    }
+}
+
+impl WeightFn for GuidedPower {
+    fn weight(&self, edge: &Edge) -> f32 {
+        powf(edge.length, self.length) * powf(edge.deviation(), self.deviation)
+    }
+
+    fn check(&self) -> Result<(), ParameterError> {
+        for (parameter, exponent) in
+            [("GuidedPower.length_exponent", self.length), ("GuidedPower.deviation_exponent", self.deviation)]
+        {
+            ParameterError::unless((0.0..=16.0).contains(&exponent), parameter, exponent, "in [0, 16]")?;
+        }
+        Ok(())
+    }
+}
+
+/// Plain length: paths without guiding vectors, "crooked" as on the left of figure 2.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub struct Length;
+
+impl WeightFn for Length {
+    fn weight(&self, edge: &Edge) -> f32 {
+        edge.length
+    }
+}
+
+/// Several favoured directions at once (section 5, "multimodal edge weight adjustments"): an edge costs what it
+/// deviates from the best of them.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Multimodal {
+    /// (unit direction, factor of the cost)
+    directions: Vec<(Vec3, f32)>,
+    /// (sine and cosine of the angle to the guiding vector, factor of the cost)
+    cones: Vec<(f32, f32)>,
+}
+
+impl Multimodal {
+    /// The guiding vector alone, as in [`Guided`].
+    pub fn new() -> Self {
+        Self::default()
+    }
+
+    /// Favours a direction in space too. `factor`, at least 0 and finite, multiplies the cost of deviating from
+    /// it: above 1 the guiding vector is preferred, below 1 the direction is.
+    pub fn with_direction(mut self, direction: Vec3, factor: f32) -> Self {
+        self.directions.push((direction, factor));
+        self
+    }
+
+    /// Favours all directions at `angle` radians, in [0, π], from the guiding vector too, as lateral branches
+    /// of a fixed insertion angle do. `factor` as above.
+    pub fn with_cone(mut self, angle: f32, factor: f32) -> Self {
+        self.cones.push((angle, factor));
+        self
+    }
+}
+
+impl WeightFn for Multimodal {
+    fn weight(&self, edge: &Edge) -> f32 {
+        let mut least = edge.deviation();
+        for &(direction, factor) in &self.directions {
+            let cosine = edge.direction.dot(direction.normalize_or(UP));
+            least = least.min(factor * (1.0 - cosine).max(0.0));
+        }
+        for &(angle, factor) in &self.cones {
+            // cos(a - angle), with a the angle between the edge and the vector.
+            let cosine = edge.direction.dot(edge.vector).clamp(-1.0, 1.0);
+            let nearest = cosine * cos(angle) + (1.0 - cosine * cosine).max(0.0).sqrt() * sin(angle);
+            least = least.min(factor * (1.0 - nearest).max(0.0));
+        }
+        edge.length * least
+    }
+
+    fn check(&self) -> Result<(), ParameterError> {
+        for &(direction, factor) in &self.directions {
+            let usable = direction.try_normalize().is_some();
+            ParameterError::unless(usable, "Multimodal.direction", direction, "finite and not zero")?;
+            check_factor("Multimodal.factor", factor, false)?;
+        }
+        for &(angle, factor) in &self.cones {
+            let usable = (0.0..=std::f32::consts::PI).contains(&angle);
+            ParameterError::unless(usable, "Multimodal.angle", angle, "in [0, π] radians")?;
+            check_factor("Multimodal.factor", factor, false)?;
+        }
+        Ok(())
+    }
+}
+
+/// Another weight, multiplied inside a shape: an obstacle, or ground that is easier to grow in.
+///
+/// An edge counts as inside when its middle or its end is. An infinite factor forbids the inside: then no node of
+/// a tree lies in the shape (the root excepted), and no edge crosses what is thicker than half of it.
+#[derive(Debug, Clone, Copy)]
+pub struct Within<W, S> {
+    weight: W,
+    shape: S,
+    factor: f32,
+}
+
+impl<W: WeightFn, S: Shape> Within<W, S> {
+    /// `factor` times `weight` inside `shape`; at least 0, and infinite to forbid.
+    pub fn new(weight: W, shape: S, factor: f32) -> Self {
+        Self { weight, shape, factor }
+    }
+
+    /// No edge leads into `shape`.
+    pub fn obstacle(weight: W, shape: S) -> Self {
+        Self::new(weight, shape, f32::INFINITY)
+    }
+}
+
+impl<W: WeightFn, S: Shape> WeightFn for Within<W, S> {
+    fn weight(&self, edge: &Edge) -> f32 {
+        let inside =
+            self.shape.contains(edge.end) || self.shape.contains(edge.start + (edge.end - edge.start) * 0.5);
+        match (inside, self.factor == f32::INFINITY) {
+            (false, _) => self.weight.weight(edge),
+            (true, true) => f32::INFINITY,
+            (true, false) => self.weight.weight(edge) * self.factor,
+        }
+    }
+
+    fn forbids(&self) -> bool {
+        self.factor == f32::INFINITY || self.weight.forbids()
+    }
+
+    fn check(&self) -> Result<(), ParameterError> {
+        check_factor("Within.factor", self.factor, true)?;
+        self.shape.check()?;
+        self.weight.check()
+    }
+}
+
+fn check_factor(parameter: &str, factor: f32, infinite: bool) -> Result<(), ParameterError> {
+    let range = if infinite { "at least 0, or infinite" } else { "at least 0 and finite" };
+    ParameterError::unless(factor >= 0.0 && (infinite || factor.is_finite()), parameter, factor, range)
+}
