@@ -123,7 +123,8 @@ impl Variational {
 }
 
 impl RadiusModel for Variational {
-    /// O(n), and O((t + s) log t) for s samples and t tips.
+    /// O(n), and O((t + s) log t) for s samples and t tips; the search is slower where tips share coordinates, on a
+    /// plane some times, on one line up to O(t s).
     ///
     /// # Errors
     /// Options out of range, and [`RadiusError::NotFinite`] where the radii go beyond `f32`.
