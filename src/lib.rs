@@ -4,9 +4,11 @@
 pub mod math;
 mod parameter;
 pub mod random;
+pub mod shape;
 pub mod skeleton;
 
 pub use glam;
 pub use parameter::ParameterError;
 pub use rand;
+pub use shape::{Bounds, Shape};
 pub use skeleton::{Skeleton, SkeletonError};
