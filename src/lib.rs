@@ -4,20 +4,23 @@
 pub mod field;
 pub mod guided;
 pub mod math;
+pub mod metrics;
 mod observer;
 mod parallel;
-pub mod metrics;
 mod parameter;
+pub mod presets;
 pub mod radius;
 pub mod random;
 pub mod shape;
 pub mod skeleton;
 
+pub use field::VectorField;
 pub use glam;
 pub use guided::{EndpointPolicy, GraphBuilder, GuidingRule, SynthesisError, TreeSynth, WeightFn};
-pub use observer::{Observer, Progress, Silent, Work};
 pub use metrics::Metrics;
+pub use observer::{Observer, Progress, Silent, Work};
 pub use parameter::ParameterError;
 pub use radius::{RadiusError, RadiusModel};
 pub use rand;
+pub use shape::{Bounds, Shape};
 pub use skeleton::{Skeleton, SkeletonError};

@@ -13,9 +13,7 @@ mod search;
 mod synth;
 mod weight;
 
-pub use endpoint::{
-    Count, EndpointError, EndpointPolicy, HopSurface, InShape, NearestTo, Side, StageView,
-};
+pub use endpoint::{Count, EndpointError, EndpointPolicy, HopSurface, InShape, NearestTo, Side, StageView};
 pub use graph::{Edges, Graph, GraphBuilder, GraphError, Lattice, PointCloud, PoissonYao};
 pub use rule::{
     Bend, BendAxis, Blend, ByHeight, ByStage, FollowField, GuidingRule, Jitter, Source, SourceElevation, Step,

@@ -43,7 +43,9 @@ pub struct Search<'g> {
 #[non_exhaustive]
 pub enum SearchError {
     /// The guiding rule's vector has no direction.
-    #[error("stage {stage}: the guiding rule gave node {node} the vector {vector}, but it must be finite and not zero")]
+    #[error(
+        "stage {stage}: the guiding rule gave node {node} the vector {vector}, but it must be finite and not zero"
+    )]
     Vector {
         /// The stage, from 0.
         stage: usize,
@@ -53,7 +55,9 @@ pub enum SearchError {
         vector: Vec3,
     },
     /// The weight of an edge is NaN or negative.
-    #[error("stage {stage}: the weight function gave edge {from} -> {to} the weight {weight}, but it must be at least 0, or infinite to forbid the edge")]
+    #[error(
+        "stage {stage}: the weight function gave edge {from} -> {to} the weight {weight}, but it must be at least 0, or infinite to forbid the edge"
+    )]
     Weight {
         /// The stage, from 0.
         stage: usize,
@@ -229,7 +233,8 @@ impl<'g> Search<'g> {
             let parent = self.parent[here];
             let start = graph.position(parent);
             let length = position.distance(start);
-            self.hops[here] = if self.place[parent as usize] == NONE { self.hops[parent as usize] + 1 } else { 1 };
+            self.hops[here] =
+                if self.place[parent as usize] == NONE { self.hops[parent as usize] + 1 } else { 1 };
             let step = Step {
                 search: self,
                 node,

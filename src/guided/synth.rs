@@ -189,7 +189,12 @@ impl TreeSynth {
 
     fn check_growth(&self) -> Result<(), ParameterError> {
         let stages = self.stages.len();
-        ParameterError::unless((1..=65_535).contains(&stages), "TreeSynth.stages", stages, "1 to 65535 stages")?;
+        ParameterError::unless(
+            (1..=65_535).contains(&stages),
+            "TreeSynth.stages",
+            stages,
+            "1 to 65535 stages",
+        )?;
         self.stages.iter().try_for_each(Stage::check)?;
         self.radius.check()
     }
@@ -218,7 +223,11 @@ impl TreeSynth {
     ///
     /// # Errors
     /// As `synthesize`, and [`SynthesisError::Cancelled`].
-    pub fn synthesize_observed(&self, seed: u64, observer: &dyn Observer) -> Result<Skeleton, SynthesisError> {
+    pub fn synthesize_observed(
+        &self,
+        seed: u64,
+        observer: &dyn Observer,
+    ) -> Result<Skeleton, SynthesisError> {
         self.check()?;
         let graph = self.build_graph(seed, observer)?;
         Ok(self.grow(&mut Search::new(&graph), seed, observer)?.skeleton)
@@ -238,7 +247,12 @@ impl TreeSynth {
     ///
     /// # Errors
     /// As `synthesize`, and [`SynthesisError::Cancelled`].
-    pub fn grow(&self, search: &mut Search<'_>, seed: u64, observer: &dyn Observer) -> Result<Growth, SynthesisError> {
+    pub fn grow(
+        &self,
+        search: &mut Search<'_>,
+        seed: u64,
+        observer: &dyn Observer,
+    ) -> Result<Growth, SynthesisError> {
         self.check_growth()?;
         search.reset();
         let endpoints = (0..self.stages.len())

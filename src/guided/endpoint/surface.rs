@@ -160,7 +160,12 @@ impl EndpointPolicy for HopSurface {
 
     fn check(&self) -> Result<(), ParameterError> {
         self.count.check("HopSurface.count")?;
-        ParameterError::unless((1..=1000).contains(&self.hops), "HopSurface.hops", self.hops, "in [1, 1000]")?;
+        ParameterError::unless(
+            (1..=1000).contains(&self.hops),
+            "HopSurface.hops",
+            self.hops,
+            "in [1, 1000]",
+        )?;
         ParameterError::unless(
             self.outermost > 0.0 && self.outermost <= 1.0,
             "HopSurface.outermost",

@@ -87,9 +87,9 @@ fn choose_spread(
 ) -> Vec<u32> {
     candidates.shuffle(random);
     let at = |node: u32| positions[node as usize];
-    let (min, max) = candidates
-        .iter()
-        .fold((Vec3::INFINITY, Vec3::NEG_INFINITY), |(min, max), &node| (min.min(at(node)), max.max(at(node))));
+    let (min, max) = candidates.iter().fold((Vec3::INFINITY, Vec3::NEG_INFINITY), |(min, max), &node| {
+        (min.min(at(node)), max.max(at(node)))
+    });
     let mut best: Vec<u32> = candidates[..count].to_vec();
     let (mut feasible, mut too_far) = (0.0f32, (max - min).length() * 1.01);
     while too_far - feasible > 1e-3 * too_far {

@@ -21,9 +21,9 @@ type Stack = SmallVec<[(f32, u32, u32); 64]>;
 impl<'a> Bvh<'a> {
     /// O(n log n); O(n) for points that are in Morton order already.
     pub(super) fn new(positions: &'a [Vec3]) -> Self {
-        let (min, max) = positions.iter().fold((Vec3::INFINITY, Vec3::NEG_INFINITY), |(min, max), &p| {
-            (min.min(p), max.max(p))
-        });
+        let (min, max) = positions
+            .iter()
+            .fold((Vec3::INFINITY, Vec3::NEG_INFINITY), |(min, max), &p| (min.min(p), max.max(p)));
         let scale = (1u32 << 21) as f32 / (max - min).max_element().max(f32::MIN_POSITIVE);
         let mut keyed: Vec<(u64, u32)> =
             positions.iter().zip(0..).map(|(&p, i)| (morton(((p - min) * scale).to_array()), i)).collect();
@@ -56,7 +56,9 @@ impl<'a> Bvh<'a> {
         let push_group = |stack: &mut Stack, level: usize, first: usize, best: f32| {
             let begin = stack.len();
             let boxes = &self.levels[level];
-            for (i, &(min, max)) in boxes.iter().enumerate().take((first + WIDTH).min(boxes.len())).skip(first) {
+            for (i, &(min, max)) in
+                boxes.iter().enumerate().take((first + WIDTH).min(boxes.len())).skip(first)
+            {
                 // A little low, so that rounding never hides a point at the very border.
                 let bound = (from.clamp(min, max)).distance_squared(from) * 0.999_999;
                 if bound <= best && !skip(min, max) {

@@ -204,7 +204,12 @@ impl GraphBuilder for Lattice {
     fn check(&self) -> Result<(), ParameterError> {
         self.region.check()?;
         self.edges.check("Lattice.edges")?;
-        ParameterError::unless((0.0..1.0).contains(&self.jitter), "Lattice.jitter", self.jitter, "in [0, 1)")?;
+        ParameterError::unless(
+            (0.0..1.0).contains(&self.jitter),
+            "Lattice.jitter",
+            self.jitter,
+            "in [0, 1)",
+        )?;
         let bounds = self.region.bounds();
         let counts = bounds.size() / self.spacing;
         let farthest = bounds.min.abs().max(bounds.max.abs()).max_element() / self.spacing;

@@ -122,7 +122,12 @@ impl PoissonYao {
         let size = bounds.size();
         let r = match self.size {
             Size::Spacing(r) => {
-                ParameterError::unless(r > 0.0 && r.is_finite(), "PoissonYao.spacing", r, "finite and above 0 m")?;
+                ParameterError::unless(
+                    r > 0.0 && r.is_finite(),
+                    "PoissonYao.spacing",
+                    r,
+                    "finite and above 0 m",
+                )?;
                 r
             }
             Size::Nodes(nodes) => {
@@ -147,7 +152,9 @@ impl PoissonYao {
         let box_nodes = if self.planar { cells.x * cells.y } else { cells.element_product() };
         let tiles = box_nodes / if self.planar { 512.0 } else { 780.0 };
         ParameterError::unless(
-            tiles <= MAX_TILES && cells.max_element() <= 1e6 && r > bounds.min.abs().max(bounds.max.abs()).max_element() * 1e-6,
+            tiles <= MAX_TILES
+                && cells.max_element() <= 1e6
+                && r > bounds.min.abs().max(bounds.max.abs()).max_element() * 1e-6,
             "PoissonYao.spacing",
             r,
             "coarser: at most 3e9 nodes in the region's bounds, and above a millionth of their coordinates",
@@ -354,7 +361,12 @@ impl<'a> Tile<'a> {
     }
 
     /// All nodes of this tile, in Morton order of their cells.
-    fn fill(mut self, stream_index: u64, root: Option<Vec3>, around: impl Iterator<Item = Vec3>) -> Vec<Vec3> {
+    fn fill(
+        mut self,
+        stream_index: u64,
+        root: Option<Vec3>,
+        around: impl Iterator<Item = Vec3>,
+    ) -> Vec<Vec3> {
         for node in around {
             if let Some(slot) = self.slot(self.plan.cell_of(node)) {
                 self.grid[slot] = node;
@@ -390,9 +402,9 @@ impl<'a> Tile<'a> {
     fn is_covered(&self, p: Vec3, cell: IVec3) -> bool {
         let Some(slot) = self.slot(cell) else { return true };
         let r_squared = self.plan.r * self.plan.r;
-        self.reach.iter().any(|&offset| {
-            self.grid[(slot as i32 + offset) as usize].distance_squared(p) < r_squared
-        })
+        self.reach
+            .iter()
+            .any(|&offset| self.grid[(slot as i32 + offset) as usize].distance_squared(p) < r_squared)
     }
 
     /// Bridson's algorithm with candidates on the sphere of radius r itself, around the newest node first: denser
@@ -423,7 +435,8 @@ impl<'a> Tile<'a> {
         let span = self.plan.cell * 2.0;
         let (flat, depth) = if self.plan.planar { (Vec3::new(1.0, 1.0, 0.0), 1) } else { (Vec3::ONE, 2) };
         for block in 0..blocks.element_product() {
-            let place = IVec3::new(block % blocks.x, block / blocks.x % blocks.y, block / blocks.x / blocks.y);
+            let place =
+                IVec3::new(block % blocks.x, block / blocks.x % blocks.y, block / blocks.x / blocks.y);
             let first = self.first + place * 2;
             let empty = (0..4 * depth).all(|i| {
                 let cell = first + IVec3::new(i & 1, i >> 1 & 1, i >> 2);

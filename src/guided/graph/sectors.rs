@@ -131,7 +131,9 @@ mod tests {
 
     #[test]
     fn half_spaces_hold_their_sector() {
-        for sectors in [Sectors::new(8, false), Sectors::new(8, true), Sectors::new(5, true), Sectors::new(14, false)] {
+        for sectors in
+            [Sectors::new(8, false), Sectors::new(8, true), Sectors::new(5, true), Sectors::new(14, false)]
+        {
             let planar = matches!(sectors, Sectors::Wedges(_));
             for d in fibonacci_sphere(501) {
                 let d = if planar { Vec3::new(d.x, d.y, 0.0) } else { d };

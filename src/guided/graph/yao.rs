@@ -21,7 +21,11 @@ pub(super) struct Adjacency {
 ///
 /// Nodes in the surrounding cells of a lattice settle nearly all sectors; what they leave open, mostly sectors
 /// that look out of the region, is searched in a hierarchy of boxes. O(n log n) for points spread evenly.
-pub(super) fn yao(positions: &[Vec3], sectors: &Sectors, observer: &dyn Observer) -> Result<Adjacency, Cancelled> {
+pub(super) fn yao(
+    positions: &[Vec3],
+    sectors: &Sectors,
+    observer: &dyn Observer,
+) -> Result<Adjacency, Cancelled> {
     report(observer, Work::Edges, 0.0)?;
     let cells = Cells::new(positions);
     let search = Search {
@@ -148,9 +152,9 @@ struct Cells {
 impl Cells {
     /// `None` where points are too uneven for a lattice.
     fn new(positions: &[Vec3]) -> Option<Self> {
-        let (min, max) = positions.iter().fold((Vec3::INFINITY, Vec3::NEG_INFINITY), |(min, max), &p| {
-            (min.min(p), max.max(p))
-        });
+        let (min, max) = positions
+            .iter()
+            .fold((Vec3::INFINITY, Vec3::NEG_INFINITY), |(min, max), &p| (min.min(p), max.max(p)));
         let extent = max - min;
         let cells_at = |side: f32| (extent / side).floor() + Vec3::ONE;
         let mut side = extent.max_element();
@@ -198,12 +202,7 @@ impl Cells {
     /// Offers every point in the 3 x 3 x 3 cells around `from`, then, if that leaves a sector open, in the
     /// 5 x 5 x 5. Returns the squared distance within which no point was missed.
     #[inline]
-    fn scan(
-        &self,
-        from: Vec3,
-        nearest: &mut Nearest,
-        offer: impl Fn(&mut Nearest, Vec3, u32),
-    ) -> f32 {
+    fn scan(&self, from: Vec3, nearest: &mut Nearest, offer: impl Fn(&mut Nearest, Vec3, u32)) -> f32 {
         let [x, y, z] = self.cell(from);
         let inside = (from - self.min) - Vec3::new(x as f32, y as f32, z as f32) * self.side;
         // From the point to the nearest face of its own cell, a little low for rounding.

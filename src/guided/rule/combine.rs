@@ -155,7 +155,12 @@ impl<R: GuidingRule> GuidingRule for Jitter<R> {
     }
 
     fn check(&self) -> Result<(), ParameterError> {
-        ParameterError::unless((0.0..=PI).contains(&self.angle), "Jitter.angle", self.angle, "in [0, π] radians")?;
+        ParameterError::unless(
+            (0.0..=PI).contains(&self.angle),
+            "Jitter.angle",
+            self.angle,
+            "in [0, π] radians",
+        )?;
         self.rule.check()
     }
 }
@@ -203,7 +208,12 @@ impl<R: GuidingRule> GuidingRule for SourceElevation<R> {
 
     fn check(&self) -> Result<(), ParameterError> {
         for angle in self.angles {
-            ParameterError::unless((0.0..=PI).contains(&angle), "SourceElevation.angles", angle, "in [0, π] radians")?;
+            ParameterError::unless(
+                (0.0..=PI).contains(&angle),
+                "SourceElevation.angles",
+                angle,
+                "in [0, π] radians",
+            )?;
         }
         let [bottom, top] = self.heights;
         ParameterError::unless(

@@ -1,0 +1,56 @@
+//! Figures 18 to 20: trees of earlier methods, made with this one.
+
+use super::{Preset, degrees, limbs, tree, trunk, twigs};
+use crate::guided::{Bend, TreeSynth};
+use crate::shape::{Cuboid, HalfEllipsoid, Shell};
+use glam::Vec3;
+
+pub(super) const PRESETS: &[Preset] = &[
+    Preset::new(
+        "figure-18",
+        18,
+        "After a tree by particle tracing: straight branches in all directions.",
+        particles,
+    ),
+    Preset::new(
+        "figure-19",
+        19,
+        "After a self-organizing tree: branches that bend up slightly.",
+        self_organizing,
+    ),
+    Preset::new("figure-20", 20, "After the oak of iterated graphs: a crown in a shell.", oak),
+];
+
+/// "Second-iteration endpoints in a cubic volume, α1 a random value in the range (30°, 120°), h0 = 1 and α2 = 0; in
+/// the remaining iterations (3-5), α1 = 30°, α2 = 0 and h0 = 1."
+fn particles(nodes: usize) -> TreeSynth {
+    let cube = Cuboid::centered(Vec3::Y * 5.6, Vec3::splat(6.6));
+    tree(12.0, 11.5, nodes, 0.45)
+        .stage(trunk(8.2))
+        .stage(limbs(Bend::random(degrees(30.0), degrees(120.0), 0.0, 1), cube, 130))
+        .stage(twigs(2, 700))
+        .stage(twigs(2, 2200))
+        .stage(twigs(1, 3500))
+}
+
+/// "A half-ellipsoid as the bounding volume, and branches that slightly bend up, akin to figure 6 (d)."
+fn self_organizing(nodes: usize) -> TreeSynth {
+    let crown = HalfEllipsoid::new(Vec3::Y * 2.6, Vec3::new(3.8, 6.6, 3.8));
+    tree(12.0, 11.5, nodes, 0.4)
+        .stage(trunk(8.4))
+        .stage(limbs(Bend::piecewise(degrees(15.0), degrees(-5.0), 5), crown, 110))
+        .stage(twigs(2, 600))
+        .stage(twigs(2, 2200))
+        .stage(twigs(1, 3500))
+}
+
+/// "A half-ellipsoid shell for the second-iteration endpoints, and a small rotation angle."
+fn oak(nodes: usize) -> TreeSynth {
+    let dome = HalfEllipsoid::new(Vec3::Y * 2.8, Vec3::new(4.8, 6.2, 4.8));
+    tree(14.0, 11.0, nodes, 0.6)
+        .stage(trunk(3.2))
+        .stage(limbs(Bend::constant(degrees(3.0)), Shell::new(dome, 0.35).about(Vec3::Y * 2.8), 90))
+        .stage(twigs(3, 500))
+        .stage(twigs(2, 2200))
+        .stage(twigs(1, 3500))
+}

@@ -1,0 +1,136 @@
+//! The trees of the paper's figures, by name.
+//!
+//! After Xu and Mould 2015, "Procedural Tree Modeling with Guiding Vectors". Angles, hops, exclusion zones and
+//! counts are the paper's where it gives them; heights (about 10 m), crowns and the rest are chosen so that the
+//! tree shows what its figure shows, and each preset's caption says what that is.
+//!
+//! ```
+//! use treesynth::presets;
+//!
+//! let ash = presets::by_name("figure-06c").expect("a preset of this name");
+//! let tree = ash.synth(10_000).synthesize(1)?;
+//! assert!(tree.len() > 1_000);
+//! # Ok::<(), treesynth::SynthesisError>(())
+//! ```
+
+mod comparison;
+mod plane;
+mod rotation;
+mod variety;
+mod volume;
+
+use crate::guided::{Bend, Count, HopSurface, InShape, NearestTo, PoissonYao, Stage, TreeSynth};
+use crate::radius::{PipeModel, Taper};
+use crate::shape::{Cuboid, Shape};
+use glam::Vec3;
+
+/// The nodes of "a typical result" (section 4).
+pub const TYPICAL_NODES: usize = 150_000;
+
+/// A tree of one of the figures.
+#[derive(Debug, Clone, Copy)]
+#[non_exhaustive]
+pub struct Preset {
+    /// Its name: the figure, two digits, then the tree in it, e.g. `figure-06c`.
+    pub name: &'static str,
+    /// The number of the figure.
+    pub figure: u8,
+    /// What the tree shows.
+    pub caption: &'static str,
+    /// The seed of its picture.
+    pub seed: u64,
+    /// The stages after which the figure shows the unfinished tree, if it does.
+    pub partial_stages: Option<usize>,
+    /// Whether it lies in the plane z = 0.
+    pub planar: bool,
+    build: fn(usize) -> TreeSynth,
+}
+
+impl Preset {
+    const fn new(
+        name: &'static str,
+        figure: u8,
+        caption: &'static str,
+        build: fn(usize) -> TreeSynth,
+    ) -> Self {
+        Self { name, figure, caption, seed: 1, partial_stages: None, planar: false, build }
+    }
+
+    const fn seed(mut self, seed: u64) -> Self {
+        self.seed = seed;
+        self
+    }
+
+    const fn partial(mut self, stages: usize) -> Self {
+        self.partial_stages = Some(stages);
+        self
+    }
+
+    const fn planar(mut self) -> Self {
+        self.planar = true;
+        self
+    }
+
+    /// The pipeline, on a graph of about `nodes` nodes; [`TYPICAL_NODES`] for the paper's detail.
+    ///
+    /// Late endpoints are "up to" the figure's count, so that coarse graphs work too.
+    pub fn synth(&self, nodes: usize) -> TreeSynth {
+        (self.build)(nodes)
+    }
+}
+
+/// All presets, in the order of the figures.
+pub fn all() -> impl Iterator<Item = &'static Preset> {
+    [plane::PRESETS, rotation::PRESETS, volume::PRESETS, variety::PRESETS, comparison::PRESETS]
+        .into_iter()
+        .flatten()
+}
+
+/// The preset of this name.
+pub fn by_name(name: &str) -> Option<&'static Preset> {
+    all().find(|preset| preset.name == name)
+}
+
+const fn degrees(angle: f32) -> f32 {
+    angle.to_radians()
+}
+
+/// A graph in a box on the ground, `width` and `height` in metres.
+fn graph(width: f32, height: f32, nodes: usize) -> PoissonYao {
+    let half = width * 0.5;
+    PoissonYao::new(Cuboid::new(Vec3::new(-half, 0.0, -half), Vec3::new(half, height, half)))
+        .with_nodes(nodes)
+}
+
+/// No stages yet; radii by the pipe model, tapered, for a trunk so many metres across.
+fn tree(width: f32, height: f32, nodes: usize, trunk: f32) -> TreeSynth {
+    TreeSynth::new(graph(width, height, nodes)).with_radius(bark(trunk))
+}
+
+fn bark(trunk: f32) -> Taper<PipeModel> {
+    Taper::new(PipeModel::default().with_exponent(2.4).with_trunk_diameter(trunk))
+}
+
+/// "The first iteration is used only to create a trunk (so α = 0)."
+fn trunk(height: f32) -> Stage {
+    Stage::new(Bend::none(), NearestTo::new(Vec3::Y * height))
+}
+
+/// Branches to endpoints spread in a crown.
+fn limbs(rule: Bend, crown: impl Shape + 'static, count: usize) -> Stage {
+    Stage::new(rule, InShape::poisson_disc(crown, Count::UpTo(count)))
+}
+
+/// "Later iterations use α1 = 30°, α2 = 0 and h0 = 1": forks with straight children.
+fn fork() -> Bend {
+    Bend::piecewise(degrees(30.0), 0.0, 1)
+}
+
+/// Twigs to so many endpoints `hops` edges off the tree, the outermost 60% of them.
+fn twigs(hops: u32, count: usize) -> Stage {
+    outer_twigs(hops, count, 0.6)
+}
+
+fn outer_twigs(hops: u32, count: usize, outermost: f32) -> Stage {
+    Stage::new(fork(), HopSurface::new(hops, Count::UpTo(count)).with_outermost(outermost))
+}

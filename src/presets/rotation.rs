@@ -1,0 +1,97 @@
+//! Figures 5 to 8: how guiding vectors turn.
+
+use super::{Preset, bark, degrees, graph, limbs, tree, trunk, twigs};
+use crate::field::{Helix, Rotation, SphericalMeridians, VectorField};
+use crate::guided::{Bend, Count, FollowField, InShape, Stage, TreeSynth};
+use crate::shape::{Ellipsoid, HalfEllipsoid, Shell};
+use glam::Vec3;
+
+pub(super) const PRESETS: &[Preset] = &[
+    Preset::new("figure-05-left", 5, "α = 4° at every hop: branches arch over.", |nodes| {
+        shrub(nodes, Bend::constant(degrees(4.0)))
+    })
+    .partial(1),
+    Preset::new(
+        "figure-05-right",
+        5,
+        "α1 = 6°, α2 = -6°, h0 = 20: out and down, then up again.",
+        |nodes| shrub(nodes, Bend::piecewise(degrees(6.0), degrees(-6.0), 20)),
+    )
+    .partial(1),
+    Preset::new("figure-06a", 6, "α = 10°: branches curve strongly downward.", |nodes| {
+        round_tree(nodes, Bend::constant(degrees(10.0)))
+    })
+    .partial(2),
+    Preset::new(
+        "figure-06b",
+        6,
+        "α1 = 60°, α2 = 0, h0 = 1: a fixed upward angle, then straight.",
+        |nodes| round_tree(nodes, Bend::piecewise(degrees(60.0), 0.0, 1)),
+    )
+    .partial(2),
+    Preset::new("figure-06c", 6, "α1 random in 30° to 120° for each trunk node, α2 = 0, h0 = 1.", ash)
+        .partial(2),
+    Preset::new("figure-06d", 6, "α1 = 15°, α2 = -5°, h0 = 5: out, then bending up.", |nodes| {
+        round_tree(nodes, Bend::piecewise(degrees(15.0), degrees(-5.0), 5))
+    })
+    .partial(2),
+    Preset::new("figure-07", 7, "Equation 2 with θ = 25°: an elm.", elm).partial(1),
+    Preset::new("figure-08a", 8, "A helical field: branches wind about the axis.", |nodes| {
+        field_tree(nodes, Helix::with_angle(Vec3::ZERO, degrees(40.0)))
+    }),
+    Preset::new(
+        "figure-08b",
+        8,
+        "A rotation about a horizontal axis: everything sweeps to one side.",
+        |nodes| field_tree(nodes, Rotation::new(Vec3::new(7.0, 0.0, 0.0), Vec3::NEG_Z)),
+    ),
+    Preset::new("figure-08c", 8, "Upward along spheres: out, around and in again.", |nodes| {
+        field_tree(nodes, SphericalMeridians::new(Vec3::Y * 5.0))
+    }),
+];
+
+/// Many endpoints in the first iteration: no trunk.
+fn shrub(nodes: usize, first: Bend) -> TreeSynth {
+    let crown = Shell::new(HalfEllipsoid::new(Vec3::Y * 3.0, Vec3::new(5.0, 6.0, 5.0)), 0.6);
+    tree(15.0, 11.0, nodes, 0.45)
+        .stage(limbs(first, crown, 40))
+        .stage(twigs(3, 300))
+        .stage(twigs(2, 1500))
+        .stage(twigs(2, 4000))
+}
+
+/// Figure 6: one trunk, a round crown, five iterations; only the second's rule differs.
+fn round_tree(nodes: usize, second: Bend) -> TreeSynth {
+    let crown = Ellipsoid::new(Vec3::Y * 5.8, Vec3::new(3.4, 3.6, 3.4));
+    tree(12.0, 11.5, nodes, 0.4)
+        .stage(trunk(8.6))
+        .stage(limbs(second, crown, 90))
+        .stage(twigs(2, 500))
+        .stage(twigs(2, 2000))
+        .stage(twigs(1, 3500))
+}
+
+/// The ash of figure 6 (c) and of all of figure 15.
+pub(super) fn ash(nodes: usize) -> TreeSynth {
+    round_tree(nodes, Bend::random(degrees(30.0), degrees(120.0), 0.0, 1))
+}
+
+fn elm(nodes: usize) -> TreeSynth {
+    let crown = HalfEllipsoid::new(Vec3::Y * 4.0, Vec3::new(4.8, 5.5, 4.8));
+    tree(14.0, 11.5, nodes, 0.45)
+        .stage(limbs(Bend::from_axis(degrees(25.0)), crown, 60))
+        .stage(twigs(3, 400))
+        .stage(twigs(2, 1800))
+        .stage(twigs(2, 4000))
+}
+
+fn field_tree(nodes: usize, field: impl VectorField + Copy + 'static) -> TreeSynth {
+    let crown = Ellipsoid::new(Vec3::Y * 5.8, Vec3::new(3.8, 3.6, 3.8));
+    let rule = FollowField::new(field);
+    TreeSynth::new(graph(12.0, 11.0, nodes))
+        .with_radius(bark(0.4))
+        .stage(Stage::new(rule.clone(), InShape::poisson_disc(crown, Count::UpTo(45))))
+        .stage(Stage::new(rule, crate::guided::HopSurface::new(3, Count::UpTo(400))))
+        .stage(twigs(2, 1500))
+        .stage(twigs(2, 4000))
+}

@@ -1,0 +1,167 @@
+//! Figures 15 to 17: one species many times, a range of crowns, and many species.
+
+use super::rotation::ash;
+use super::{Preset, degrees, fork, limbs, outer_twigs, tree, trunk, twigs};
+use crate::guided::{Bend, ByHeight, Count, HopSurface, InShape, Side, SourceElevation, Stage, TreeSynth};
+use crate::shape::{Cone, Cylinder, Ellipsoid, HalfEllipsoid, Union};
+use glam::Vec3;
+
+pub(super) const PRESETS: &[Preset] = &[
+    Preset::new("figure-15-1", 15, "The ash of figure 6 (c), first of six.", ash).seed(11),
+    Preset::new("figure-15-2", 15, "The ash of figure 6 (c), second of six.", ash).seed(12),
+    Preset::new("figure-15-3", 15, "The ash of figure 6 (c), third of six.", ash).seed(13),
+    Preset::new("figure-15-4", 15, "The ash of figure 6 (c), fourth of six.", ash).seed(14),
+    Preset::new("figure-15-5", 15, "The ash of figure 6 (c), fifth of six.", ash).seed(15),
+    Preset::new("figure-15-6", 15, "The ash of figure 6 (c), sixth of six.", ash).seed(16),
+    Preset::new("figure-16-15", 16, "Half-ellipsoid of aspect 1.5, θ = 14°.", |nodes| {
+        crown(nodes, 1.5, 14.0)
+    }),
+    Preset::new("figure-16-09", 16, "Half-ellipsoid of aspect 0.9, θ = 20°.", |nodes| {
+        crown(nodes, 0.9, 20.0)
+    }),
+    Preset::new("figure-16-05", 16, "Half-ellipsoid of aspect 0.5, θ = 26°.", |nodes| {
+        crown(nodes, 0.5, 26.0)
+    }),
+    Preset::new("figure-16-03", 16, "Half-ellipsoid of aspect 0.3, θ = 32°.", |nodes| {
+        crown(nodes, 0.3, 32.0)
+    }),
+    Preset::new(
+        "figure-17a",
+        17,
+        "Few endpoints first, many later: distinct limbs, clustered twigs.",
+        clusters,
+    ),
+    Preset::new("figure-17b", 17, "α1 = 30°, α2 = -10°, h0 = 3 above, α = 8° drooping below.", two_habits),
+    Preset::new("figure-17c", 17, "Short horizontal branches on a spindle: a dead tree.", spindle),
+    Preset::new(
+        "figure-17d",
+        17,
+        "A cottonwood: broad, airy, endpoints higher than their sources.",
+        cottonwood,
+    ),
+    Preset::new("figure-17e", 17, "Sources steeper with height, in a cone.", steepening_cone),
+    Preset::new("figure-17f", 17, "A shrub: many endpoints at once, upright.", upright_shrub),
+    Preset::new("figure-17g", 17, "A birch with a divided trunk.", birch),
+    Preset::new("figure-17h", 17, "A shrub: many endpoints at once, spreading.", spreading_shrub),
+    Preset::new("figure-17i", 17, "Sources steeper with height, in a tall oval.", steepening_oval),
+    Preset::new("figure-17j", 17, "A zelkova: two iterations, no small twigs.", zelkova),
+];
+
+/// Figure 16: crowns of equal volume, wider and wider.
+fn crown(nodes: usize, aspect: f32, theta: f32) -> TreeSynth {
+    // height³ / aspect² is the same for all.
+    let height = 6.4 * crate::math::cbrt(aspect * aspect / (0.9 * 0.9));
+    let width = height / aspect;
+    let base = 2.0;
+    let dome = HalfEllipsoid::with_aspect(Vec3::Y * base, height, aspect);
+    tree(width + 4.0, base + height + 1.8, nodes, 0.4)
+        .stage(limbs(Bend::from_axis(degrees(theta)), dome, 60))
+        .stage(twigs(3, 400))
+        .stage(twigs(2, 1800))
+        .stage(twigs(1, 3500))
+}
+
+fn clusters(nodes: usize) -> TreeSynth {
+    let dome = HalfEllipsoid::new(Vec3::Y * 4.5, Vec3::new(3.6, 4.4, 3.6));
+    tree(12.0, 11.5, nodes, 0.45)
+        .stage(limbs(Bend::piecewise(degrees(6.0), degrees(-4.0), 12), dome, 9))
+        .stage(Stage::new(fork(), HopSurface::new(4, Count::UpTo(60)).with_outermost(0.4)))
+        .stage(outer_twigs(2, 1500, 0.5))
+        .stage(outer_twigs(2, 4500, 0.6))
+}
+
+fn two_habits(nodes: usize) -> TreeSynth {
+    let oval = Ellipsoid::new(Vec3::Y * 5.6, Vec3::new(3.4, 4.0, 3.4));
+    let rule =
+        ByHeight::new(5.6, Bend::constant(degrees(8.0)), Bend::piecewise(degrees(30.0), degrees(-10.0), 3));
+    tree(12.0, 12.0, nodes, 0.4)
+        .stage(trunk(8.8))
+        .stage(Stage::new(rule, InShape::poisson_disc(oval, Count::UpTo(100))))
+        .stage(twigs(2, 500))
+        .stage(twigs(2, 2000))
+        .stage(twigs(1, 3500))
+}
+
+fn spindle(nodes: usize) -> TreeSynth {
+    let narrow = Cone::new(Vec3::Y * 1.6, 1.6, 8.2);
+    tree(7.0, 11.0, nodes, 0.3)
+        .stage(trunk(9.6))
+        .stage(limbs(Bend::piecewise(degrees(90.0), 0.0, 1), narrow, 110))
+        .stage(Stage::new(Bend::piecewise(degrees(20.0), 0.0, 1), HopSurface::new(3, Count::UpTo(260))))
+}
+
+fn cottonwood(nodes: usize) -> TreeSynth {
+    let broad = HalfEllipsoid::new(Vec3::Y * 4.0, Vec3::new(5.2, 5.4, 5.2));
+    let higher = |hops, count| {
+        Stage::new(fork(), HopSurface::new(hops, Count::UpTo(count)).with_outermost(0.5).only(Side::Higher))
+    };
+    tree(15.0, 11.5, nodes, 0.6)
+        .stage(limbs(Bend::piecewise(degrees(5.0), degrees(-2.0), 10), broad, 14))
+        .stage(higher(5, 90))
+        .stage(higher(4, 500))
+        .stage(higher(2, 3500))
+}
+
+fn steepening(rule: Bend, top: f32) -> SourceElevation<Bend> {
+    SourceElevation::new(rule, [degrees(100.0), degrees(25.0)], [1.5, top])
+}
+
+fn steepening_cone(nodes: usize) -> TreeSynth {
+    let rule = steepening(Bend::constant(degrees(1.0)), 9.0);
+    tree(10.0, 11.5, nodes, 0.35)
+        .stage(trunk(9.8))
+        .stage(Stage::new(rule, InShape::poisson_disc(Cone::new(Vec3::Y * 1.6, 3.2, 8.6), Count::UpTo(130))))
+        .stage(twigs(2, 600))
+        .stage(twigs(1, 2200))
+        .stage(twigs(1, 3500))
+}
+
+fn steepening_oval(nodes: usize) -> TreeSynth {
+    let oval = Ellipsoid::new(Vec3::Y * 6.0, Vec3::new(2.6, 4.2, 2.6));
+    let rule = steepening(Bend::constant(degrees(-3.0)), 9.0);
+    tree(10.0, 12.0, nodes, 0.35)
+        .stage(trunk(8.0))
+        .stage(Stage::new(rule, InShape::poisson_disc(oval, Count::UpTo(90))))
+        .stage(twigs(2, 500))
+        .stage(twigs(2, 2000))
+        .stage(twigs(1, 3500))
+}
+
+fn upright_shrub(nodes: usize) -> TreeSynth {
+    let oval = HalfEllipsoid::new(Vec3::Y * 1.5, Vec3::new(2.8, 6.4, 2.8));
+    tree(10.0, 10.0, nodes, 0.35)
+        .stage(limbs(Bend::piecewise(degrees(8.0), degrees(-3.0), 5), oval, 120))
+        .stage(twigs(2, 600))
+        .stage(twigs(2, 2400))
+        .stage(twigs(1, 3500))
+}
+
+fn spreading_shrub(nodes: usize) -> TreeSynth {
+    let dome = HalfEllipsoid::new(Vec3::Y * 0.8, Vec3::new(4.4, 4.6, 4.4));
+    tree(13.0, 8.0, nodes, 0.35)
+        .stage(limbs(Bend::constant(degrees(5.0)), dome, 160))
+        .stage(twigs(2, 700))
+        .stage(twigs(2, 2400))
+        .stage(twigs(1, 3500))
+}
+
+fn birch(nodes: usize) -> TreeSynth {
+    let fork_tops = Cylinder::new(Vec3::Y * 8.2, 1.2, 0.8);
+    let crown = Union::new(
+        Ellipsoid::new(Vec3::Y * 6.2, Vec3::new(2.6, 3.6, 2.6)),
+        Cylinder::new(Vec3::Y * 3.0, 1.2, 1.5),
+    );
+    tree(10.0, 11.5, nodes, 0.35)
+        .stage(limbs(Bend::piecewise(degrees(1.0), degrees(-0.5), 12), fork_tops, 2))
+        .stage(limbs(Bend::piecewise(degrees(40.0), degrees(5.0), 1), crown, 90))
+        .stage(twigs(2, 500))
+        .stage(twigs(2, 2000))
+        .stage(twigs(1, 3500))
+}
+
+fn zelkova(nodes: usize) -> TreeSynth {
+    let vase = HalfEllipsoid::new(Vec3::Y * 3.6, Vec3::new(4.2, 5.6, 4.2));
+    tree(12.0, 11.0, nodes, 0.5)
+        .stage(limbs(Bend::piecewise(degrees(4.0), degrees(-1.0), 12), vase, 90))
+        .stage(twigs(3, 900))
+}

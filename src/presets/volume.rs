@@ -1,0 +1,89 @@
+//! Figures 9 to 14: where endpoints lie.
+
+use super::{Preset, degrees, fork, limbs, outer_twigs, tree, trunk, twigs};
+use crate::guided::{Bend, Count, HopSurface, Side, Stage, TreeSynth};
+use crate::shape::{Cone, Cuboid, Ellipsoid, HalfEllipsoid, Shape};
+use glam::Vec3;
+
+pub(super) const PRESETS: &[Preset] = &[
+    Preset::new("figure-09-cone", 9, "First endpoints in a cone.", |nodes| {
+        bounded(nodes, Cone::new(Vec3::Y * 2.2, 3.6, 7.6))
+    }),
+    Preset::new("figure-09-box", 9, "The same parameters, first endpoints in a box.", |nodes| {
+        bounded(nodes, Cuboid::centered(Vec3::Y * 5.8, Vec3::new(5.6, 6.0, 5.6)))
+    }),
+    Preset::new(
+        "figure-09-half-ellipsoid",
+        9,
+        "The same parameters, first endpoints in a half-ellipsoid.",
+        |nodes| bounded(nodes, HalfEllipsoid::new(Vec3::Y * 4.6, Vec3::new(4.4, 4.4, 4.4))),
+    ),
+    Preset::new("figure-10-tall", 10, "A trunk, then a crown in a tall ellipsoid.", |nodes| {
+        crowned(nodes, Ellipsoid::new(Vec3::Y * 5.9, Vec3::new(2.2, 4.0, 2.2)), 9.2)
+    })
+    .partial(2),
+    Preset::new("figure-10-wide", 10, "A trunk, then a crown in a wide ellipsoid.", |nodes| {
+        crowned(nodes, Ellipsoid::new(Vec3::Y * 6.4, Vec3::new(4.6, 2.5, 4.6)), 7.6)
+    })
+    .partial(2),
+    Preset::new("figure-12-t03", 12, "t = 0.3: twigs only in the outer regions.", |nodes| {
+        excluded(nodes, 0.3)
+    }),
+    Preset::new("figure-12-t06", 12, "t = 0.6: a good balance.", |nodes| excluded(nodes, 0.6)),
+    Preset::new("figure-12-t10", 12, "t = 1: the entire tree is covered with twigs.", |nodes| {
+        excluded(nodes, 1.0)
+    }),
+    Preset::new("figure-13", 13, "Endpoints lower than their sources: branches hang.", hanging).partial(2),
+    Preset::new("figure-14-1000", 14, "About 1000 endpoints.", |nodes| dense(nodes, [60, 240, 700])),
+    Preset::new("figure-14-2000", 14, "About 2000 endpoints.", |nodes| dense(nodes, [60, 440, 1500])),
+    Preset::new("figure-14-4000", 14, "About 4000 endpoints.", |nodes| dense(nodes, [60, 940, 3000])),
+];
+
+fn bounded(nodes: usize, volume: impl Shape + 'static) -> TreeSynth {
+    tree(12.0, 12.0, nodes, 0.4)
+        .stage(limbs(Bend::piecewise(degrees(5.0), degrees(-3.0), 12), volume, 60))
+        .stage(twigs(3, 400))
+        .stage(twigs(2, 1800))
+        .stage(twigs(1, 3500))
+}
+
+fn crowned(nodes: usize, crown: Ellipsoid, height: f32) -> TreeSynth {
+    tree(12.5, 12.0, nodes, 0.4)
+        .stage(trunk(height))
+        .stage(limbs(Bend::piecewise(degrees(45.0), degrees(-2.0), 1), crown, 90))
+        .stage(twigs(2, 500))
+        .stage(twigs(2, 2000))
+        .stage(twigs(1, 3500))
+}
+
+fn excluded(nodes: usize, outermost: f32) -> TreeSynth {
+    let crown = Ellipsoid::new(Vec3::Y * 6.0, Vec3::new(3.6, 3.4, 3.6));
+    tree(12.5, 11.5, nodes, 0.4)
+        .stage(trunk(8.2))
+        .stage(limbs(Bend::piecewise(degrees(45.0), 0.0, 1), crown, 60))
+        .stage(outer_twigs(3, 500, outermost))
+        .stage(outer_twigs(2, 2000, outermost))
+        .stage(outer_twigs(1, 3000, outermost))
+}
+
+fn hanging(nodes: usize) -> TreeSynth {
+    let crown = HalfEllipsoid::new(Vec3::Y * 5.5, Vec3::new(3.8, 4.2, 3.8));
+    let lower = |hops, count| {
+        let endpoints = HopSurface::new(hops, Count::UpTo(count)).with_outermost(0.8).only(Side::Lower);
+        Stage::new(Bend::piecewise(degrees(30.0), degrees(12.0), 1), endpoints)
+    };
+    tree(13.0, 11.5, nodes, 0.4)
+        .stage(trunk(7.0))
+        .stage(limbs(Bend::piecewise(degrees(30.0), degrees(6.0), 1), crown, 60))
+        .stage(lower(5, 350))
+        .stage(lower(5, 900))
+        .stage(lower(3, 2500))
+}
+
+fn dense(nodes: usize, [first, second, third]: [usize; 3]) -> TreeSynth {
+    let crown = HalfEllipsoid::new(Vec3::Y * 3.2, Vec3::new(4.4, 6.4, 4.4));
+    tree(13.0, 11.5, nodes, 0.4)
+        .stage(limbs(Bend::piecewise(degrees(6.0), degrees(-4.0), 14), crown, first))
+        .stage(Stage::new(fork(), HopSurface::new(3, Count::UpTo(second))))
+        .stage(twigs(2, third))
+}
