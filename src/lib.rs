@@ -3,6 +3,7 @@
 
 pub mod field;
 pub mod guided;
+pub mod export;
 pub mod math;
 pub mod metrics;
 mod observer;
@@ -10,9 +11,12 @@ mod parallel;
 mod parameter;
 pub mod presets;
 pub mod radius;
+#[cfg(feature = "preview")]
+pub mod preview;
 pub mod random;
 pub mod shape;
 pub mod skeleton;
+pub mod surface;
 
 pub use field::VectorField;
 pub use glam;

@@ -1,0 +1,267 @@
+//! Triangles as plain arrays.
+
+use glam::{Vec2, Vec3};
+
+/// A triangle mesh in metres: vertices with a normal each, and three indices a triangle, counter-clockwise seen
+/// from outside.
+///
+/// The fields are public, so that any engine's buffers can be filled from them and any mesh can be put in.
+/// What this crate makes satisfies [`check`](Self::check); what a user puts in is checked where it is used.
+///
+/// Memory: 24 bytes a vertex, 8 more with texture coordinates, 12 bytes a triangle.
+///
+/// ```
+/// use treesynth::{glam::Vec3, surface::Mesh};
+///
+/// let triangle = Mesh::new(vec![Vec3::ZERO, Vec3::X, Vec3::Y], vec![Vec3::Z; 3], vec![0, 1, 2]);
+/// assert_eq!(triangle.triangles().count(), 1);
+/// triangle.check()?;
+/// # Ok::<(), treesynth::surface::MeshError>(())
+/// ```
+#[derive(Debug, Clone, Default, PartialEq)]
+#[non_exhaustive]
+pub struct Mesh {
+    /// Positions of the vertices, metres.
+    pub positions: Vec<Vec3>,
+    /// A unit normal a vertex, pointing outward.
+    pub normals: Vec<Vec3>,
+    /// A texture coordinate a vertex, or none at all. Not confined to [0, 1]: textures repeat.
+    pub uvs: Vec<Vec2>,
+    /// Three vertices a triangle, counter-clockwise seen from outside.
+    pub indices: Vec<u32>,
+}
+
+/// The smallest box around something, its faces parallel to the axes.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Bounds {
+    /// The corner of smallest coordinates, metres.
+    pub low: Vec3,
+    /// The corner of largest coordinates, metres.
+    pub high: Vec3,
+}
+
+/// Why some arrays are not a mesh.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum MeshError {
+    /// An array is not as long as the positions.
+    #[error("{array} has {length} entries, but there are {vertices} vertices")]
+    Length {
+        /// Which array.
+        array: &'static str,
+        /// Its length.
+        length: usize,
+        /// The number of positions.
+        vertices: usize,
+    },
+    /// The indices do not come in threes.
+    #[error("there are {indices} indices, but a triangle has three")]
+    Indices {
+        /// The number of indices.
+        indices: usize,
+    },
+    /// An index with no vertex.
+    #[error("triangle {triangle} names the vertex {index}, but there are {vertices}")]
+    Index {
+        /// The triangle.
+        triangle: usize,
+        /// The vertex it names.
+        index: u32,
+        /// The number of vertices.
+        vertices: usize,
+    },
+    /// A position that is NaN or infinite.
+    #[error("vertex {vertex} has the position {position}, but positions must be finite")]
+    Position {
+        /// The vertex.
+        vertex: usize,
+        /// Its position.
+        position: Vec3,
+    },
+    /// A normal that is not of length 1 within 0.001.
+    #[error("vertex {vertex} has the normal {normal}, but normals must be of length 1")]
+    Normal {
+        /// The vertex.
+        vertex: usize,
+        /// Its normal.
+        normal: Vec3,
+    },
+    /// A texture coordinate that is NaN or infinite.
+    #[error("vertex {vertex} has the texture coordinate {uv}, but these must be finite")]
+    Uv {
+        /// The vertex.
+        vertex: usize,
+        /// Its texture coordinate.
+        uv: Vec2,
+    },
+    /// A triangle without area.
+    #[error("triangle {triangle} has no area: its vertices are {corners:?}")]
+    Degenerate {
+        /// The triangle.
+        triangle: usize,
+        /// The positions of its vertices.
+        corners: [Vec3; 3],
+    },
+}
+
+impl Bounds {
+    /// The box around `points`; `None` if there are none, or one is NaN. O(n).
+    pub fn of(points: impl IntoIterator<Item = Vec3>) -> Option<Self> {
+        let mut points = points.into_iter();
+        let first = points.next()?;
+        let mut bounds = Self { low: first, high: first };
+        let mut sound = !first.is_nan();
+        for point in points {
+            sound &= !point.is_nan();
+            bounds.low = bounds.low.min(point);
+            bounds.high = bounds.high.max(point);
+        }
+        sound.then_some(bounds)
+    }
+
+    /// The middle, metres.
+    pub fn center(&self) -> Vec3 {
+        self.low * 0.5 + self.high * 0.5
+    }
+
+    /// Width, height and depth, metres.
+    pub fn size(&self) -> Vec3 {
+        self.high - self.low
+    }
+
+    /// The eight corners.
+    pub fn corners(&self) -> [Vec3; 8] {
+        std::array::from_fn(|i| {
+            let side = |bit: usize, axis: usize| if i & bit == 0 { self.low[axis] } else { self.high[axis] };
+            Vec3::new(side(1, 0), side(2, 1), side(4, 2))
+        })
+    }
+}
+
+impl Mesh {
+    /// A mesh without texture coordinates. Nothing is checked here; see [`check`](Self::check).
+    pub fn new(positions: Vec<Vec3>, normals: Vec<Vec3>, indices: Vec<u32>) -> Self {
+        Self { positions, normals, uvs: Vec::new(), indices }
+    }
+
+    /// Gives each vertex a texture coordinate.
+    pub fn with_uvs(mut self, uvs: Vec<Vec2>) -> Self {
+        self.uvs = uvs;
+        self
+    }
+
+    /// Whether there is nothing to see: no triangles.
+    pub fn is_empty(&self) -> bool {
+        self.indices.is_empty()
+    }
+
+    /// The box around all vertices; `None` if there are none, or one is NaN. O(n).
+    pub fn bounds(&self) -> Option<Bounds> {
+        Bounds::of(self.positions.iter().copied())
+    }
+
+    /// The three vertices of each triangle. `.triangles().len()` is their number.
+    pub fn triangles(&self) -> impl ExactSizeIterator<Item = [u32; 3]> + '_ {
+        self.indices.chunks_exact(3).map(|triangle| [triangle[0], triangle[1], triangle[2]])
+    }
+
+    /// Whether the arrays fit together: lengths, indices in range, finite positions, unit normals, and no
+    /// triangle without area. An empty mesh is sound. O(n).
+    ///
+    /// # Errors
+    /// The first violation found.
+    pub fn check(&self) -> Result<(), MeshError> {
+        self.check_vertices()?;
+        let vertices = self.positions.len();
+        for (triangle, corners) in self.triangles().enumerate() {
+            for index in corners {
+                if index as usize >= vertices {
+                    return Err(MeshError::Index { triangle, index, vertices });
+                }
+            }
+            let corners = corners.map(|index| self.positions[index as usize]);
+            if !has_area(corners) {
+                return Err(MeshError::Degenerate { triangle, corners });
+            }
+        }
+        Ok(())
+    }
+
+    fn check_vertices(&self) -> Result<(), MeshError> {
+        let vertices = self.positions.len();
+        if self.normals.len() != vertices {
+            return Err(MeshError::Length { array: "normals", length: self.normals.len(), vertices });
+        }
+        if !self.uvs.is_empty() && self.uvs.len() != vertices {
+            return Err(MeshError::Length { array: "uvs", length: self.uvs.len(), vertices });
+        }
+        if !self.indices.len().is_multiple_of(3) {
+            return Err(MeshError::Indices { indices: self.indices.len() });
+        }
+        let of = |vertex: Option<usize>| vertex.map(|vertex| (vertex, self.positions[vertex]));
+        if let Some((vertex, position)) = of(self.positions.iter().position(|p| !p.is_finite())) {
+            return Err(MeshError::Position { vertex, position });
+        }
+        let unit = |normal: &Vec3| (normal.length_squared() - 1.0).abs() <= 2e-3;
+        if let Some(vertex) = self.normals.iter().position(|normal| !unit(normal)) {
+            return Err(MeshError::Normal { vertex, normal: self.normals[vertex] });
+        }
+        if let Some(vertex) = self.uvs.iter().position(|uv| !uv.is_finite()) {
+            return Err(MeshError::Uv { vertex, uv: self.uvs[vertex] });
+        }
+        Ok(())
+    }
+}
+
+/// Whether a triangle has an area that 32-bit floats can tell from zero.
+#[inline]
+pub(super) fn has_area([a, b, c]: [Vec3; 3]) -> bool {
+    (b - a).cross(c - a).length_squared() > 0.0
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn triangle() -> Mesh {
+        Mesh::new(vec![Vec3::ZERO, Vec3::X, Vec3::Y], vec![Vec3::Z; 3], vec![0, 1, 2])
+    }
+
+    #[test]
+    fn a_sound_mesh_is_sound() {
+        assert_eq!(triangle().check(), Ok(()));
+        assert_eq!(triangle().with_uvs(vec![Vec2::ZERO; 3]).check(), Ok(()));
+        assert_eq!(Mesh::default().check(), Ok(()));
+    }
+
+    #[test]
+    fn each_fault_is_named() {
+        type Fault = (fn(&mut Mesh), fn(&MeshError) -> bool);
+        let faults: [Fault; 8] = [
+            (|m| m.normals.truncate(2), |e| matches!(e, MeshError::Length { array: "normals", .. })),
+            (|m| m.uvs.push(Vec2::ZERO), |e| matches!(e, MeshError::Length { array: "uvs", .. })),
+            (|m| m.indices.push(0), |e| matches!(e, MeshError::Indices { indices: 4 })),
+            (|m| m.indices[2] = 3, |e| matches!(e, MeshError::Index { index: 3, .. })),
+            (|m| m.positions[1].x = f32::NAN, |e| matches!(e, MeshError::Position { vertex: 1, .. })),
+            (|m| m.normals[2] *= 2.0, |e| matches!(e, MeshError::Normal { vertex: 2, .. })),
+            (|m| m.uvs = vec![Vec2::INFINITY; 3], |e| matches!(e, MeshError::Uv { vertex: 0, .. })),
+            (|m| m.positions[1] = m.positions[2], |e| matches!(e, MeshError::Degenerate { .. })),
+        ];
+        for (break_it, is_named) in faults {
+            let mut mesh = triangle();
+            break_it(&mut mesh);
+            let error = mesh.check().expect_err("the mesh is broken");
+            assert!(is_named(&error), "{error}");
+        }
+    }
+
+    #[test]
+    fn bounds_are_tight() {
+        let bounds = triangle().bounds().expect("there are vertices");
+        assert_eq!((bounds.low, bounds.high), (Vec3::ZERO, Vec3::new(1.0, 1.0, 0.0)));
+        assert_eq!(bounds.corners()[7], bounds.high);
+        assert_eq!(bounds.center() * 2.0, bounds.size());
+        assert_eq!(Bounds::of([Vec3::ZERO, Vec3::NAN, Vec3::ONE]), None);
+        assert_eq!(Mesh::default().bounds(), None);
+    }
+}
