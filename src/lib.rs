@@ -1,22 +1,24 @@
 //! Trees.
 #![cfg_attr(docsrs, feature(doc_cfg))]
 
+pub mod export;
 pub mod field;
 pub mod guided;
-pub mod export;
 pub mod math;
 pub mod metrics;
 mod observer;
 mod parallel;
 mod parameter;
 pub mod presets;
-pub mod radius;
 #[cfg(feature = "preview")]
 pub mod preview;
+pub mod radius;
 pub mod random;
 pub mod shape;
 pub mod skeleton;
 pub mod surface;
+#[cfg(feature = "testing")]
+pub mod testing;
 
 pub use field::VectorField;
 pub use glam;

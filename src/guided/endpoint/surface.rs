@@ -91,8 +91,11 @@ impl HopSurface {
         let (graph, search) = (view.graph(), view.search());
         if self.randomness > 0.0 {
             let distance = self.distances(graph, search.tree(), self.hops as f32 + 0.5, view);
-            let wanted = self.hops as f32;
-            return (0..).zip(distance).filter(|&(_, d)| d.round() == wanted).map(|(node, _)| node).collect();
+            return (0..)
+                .zip(distance)
+                .filter(|&(_, d)| d.round() as u32 == self.hops && d.is_finite())
+                .map(|(node, _)| node)
+                .collect();
         }
         let mut seen: Vec<bool> = (0..graph.nodes() as u32).map(|node| search.is_on_tree(node)).collect();
         let mut ring = search.tree().to_vec();

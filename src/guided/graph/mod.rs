@@ -321,7 +321,8 @@ fn check_nodes(positions: &[Vec3], root: u32) -> Result<(), GraphError> {
         return Err(GraphError::Root { root, nodes });
     }
     for (node, &position) in positions.iter().enumerate() {
-        if !(position.abs().max_element() <= Graph::MAX_COORDINATE) || position.is_nan() {
+        let fits = !position.is_nan() && position.abs().max_element() <= Graph::MAX_COORDINATE;
+        if !fits {
             return Err(GraphError::Position { node, position });
         }
     }

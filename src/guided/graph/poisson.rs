@@ -469,8 +469,8 @@ fn direction(random: &mut impl Rng, planar: bool) -> Vec3 {
     loop {
         let bits = random.next_u64();
         // Two 31-bit fractions in [-1, 1).
-        let x = (bits as u32 as i32) as f32 * (1.0 / 2_147_483_648.0);
-        let y = ((bits >> 32) as u32 as i32) as f32 * (1.0 / 2_147_483_648.0);
+        let x = (bits as u32).cast_signed() as f32 * (1.0 / 2_147_483_648.0);
+        let y = ((bits >> 32) as u32).cast_signed() as f32 * (1.0 / 2_147_483_648.0);
         let s = x * x + y * y;
         if !(1e-12..1.0).contains(&s) {
             continue;

@@ -83,7 +83,7 @@ impl GuidingRule for ByStage {
 
     fn check(&self) -> Result<(), ParameterError> {
         ParameterError::unless(!self.rules.is_empty(), "ByStage.rules", self.rules.len(), "at least 1 rule")?;
-        self.rules.iter().try_for_each(|rule| rule.check())
+        self.rules.iter().try_for_each(GuidingRule::check)
     }
 }
 

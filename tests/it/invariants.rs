@@ -1,0 +1,56 @@
+//! Every builder, rule, weight, policy and radius model of the crate, held by the calls that users have.
+
+use proptest::prelude::*;
+use treesynth::testing::{self, graphs, options, regions, skeletons};
+use treesynth::{SynthesisError, guided::*, radius::*};
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(96))]
+
+    #[test]
+    fn pipelines(options in options(), seed: u64) {
+        testing::hold_builder(&options.builder(), seed)?;
+        let synth = options.synth();
+        let graph = synth.build_graph(seed, &treesynth::Silent).map_err(|e| TestCaseError::fail(e.to_string()))?;
+        testing::hold_synth(&synth, &graph, seed)?;
+        match synth.synthesize(seed) {
+            Ok(skeleton) => prop_assert_eq!(skeleton, synth.synthesize_on(&graph, seed).unwrap()),
+            Err(SynthesisError::Endpoints { .. }) => {}
+            Err(error) => return Err(TestCaseError::fail(error.to_string())),
+        }
+    }
+
+    #[test]
+    fn rules(graph in graphs(), seed: u64, angle in -2f32..2.0, hops in 0u32..5) {
+        testing::hold_rule(Bend::piecewise(angle, -angle, hops), &graph, seed)?;
+        testing::hold_rule(Bend::random(angle, angle + 1.0, 0.1, hops), &graph, seed)?;
+        testing::hold_rule(ByStage::new().then(Bend::none()).then(Jitter::new(Bend::from_axis(angle), 0.5)), &graph, seed)?;
+    }
+
+    #[test]
+    fn weights(graph in graphs(), seed: u64, exponent in 0f32..3.0) {
+        testing::hold_weight(GuidedPower::new(exponent), &graph, seed)?;
+        testing::hold_weight(Multimodal::new().with_cone(exponent, 1.0), &graph, seed)?;
+    }
+
+    #[test]
+    fn policies(graph in graphs(), region in regions(), seed: u64, hops in 1u32..5, count in 1usize..50) {
+        testing::hold_endpoints(InShape::poisson_disc(region.clone(), count), &graph, seed)?;
+        testing::hold_endpoints(InShape::uniform(region, Count::Share(0.2)), &graph, seed)?;
+        testing::hold_endpoints(HopSurface::new(hops, Count::UpTo(count)), &graph, seed)?;
+        testing::hold_endpoints(HopSurface::new(hops, count).only(Side::Lower), &graph, seed)?;
+    }
+
+    #[test]
+    fn shapes(region in regions(), seed: u64) {
+        testing::hold_shape(&region, seed)?;
+    }
+
+    #[test]
+    fn radii(skeleton in skeletons(200), exponent in 1.5f32..4.0) {
+        testing::hold_skeleton(&skeleton)?;
+        testing::hold_radius(&PipeModel::default().with_exponent(exponent), &skeleton)?;
+        testing::hold_radius(&Taper::new(PipeModel::default().with_trunk_diameter(0.5)), &skeleton)?;
+        testing::hold_radius(&Variational::default(), &skeleton)?;
+    }
+}

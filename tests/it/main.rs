@@ -1,0 +1,3 @@
+//! What must hold of every strategy and every tree.
+
+mod invariants;
