@@ -161,6 +161,12 @@ impl TreeSynth {
         self
     }
 
+    /// The first stages alone, to see a tree that is not finished.
+    pub fn first_stages(mut self, stages: usize) -> Self {
+        self.stages.truncate(stages);
+        self
+    }
+
     /// Another radius model.
     pub fn with_radius(mut self, radius: impl RadiusModel + 'static) -> Self {
         self.radius = Arc::new(radius);

@@ -1,0 +1,94 @@
+//! Draws every preset, and a sheet for each figure, into `docs/figures/`.
+//!
+//!     cargo run --release --example gallery -- [--nodes N] [--out DIR] [--size PIXELS] [--only TEXT]
+
+mod plane;
+
+use lexopt::prelude::{Long, ValueExt};
+use std::collections::BTreeMap;
+use std::fs::{self, File};
+use std::io::{BufWriter, Write};
+use std::path::{Path, PathBuf};
+use treesynth::Silent;
+use treesynth::guided::{Graph, Search, TreeSynth};
+use treesynth::presets::{self, Preset, TYPICAL_NODES};
+use treesynth::preview::{Picture, Preview};
+use treesynth::surface::Tubes;
+
+type Failure = Box<dyn std::error::Error>;
+
+struct Options {
+    nodes: usize,
+    out: PathBuf,
+    size: u32,
+    only: String,
+}
+
+fn main() -> Result<(), Failure> {
+    let mut options =
+        Options { nodes: TYPICAL_NODES, out: "docs/figures".into(), size: 640, only: String::new() };
+    let mut arguments = lexopt::Parser::from_env();
+    while let Some(argument) = arguments.next()? {
+        match argument {
+            Long("nodes") => options.nodes = arguments.value()?.parse()?,
+            Long("out") => options.out = arguments.value()?.into(),
+            Long("size") => options.size = arguments.value()?.parse()?,
+            Long("only") => options.only = arguments.value()?.string()?,
+            other => return Err(other.unexpected().into()),
+        }
+    }
+    fs::create_dir_all(&options.out)?;
+    let mut sheets: BTreeMap<u8, Vec<Picture>> = BTreeMap::new();
+    for preset in presets::all().filter(|preset| preset.name.contains(&options.only)) {
+        let pictures = draw(preset, &options)?;
+        if let Some(last) = pictures.last() {
+            write(&options.out.join(format!("{}.png", preset.name)), last)?;
+        }
+        println!("{}: {}", preset.name, preset.caption);
+        sheets.entry(preset.figure).or_default().extend(pictures);
+    }
+    for (figure, pictures) in &sheets {
+        let columns = if pictures.len() > 5 { pictures.len().div_ceil(2) } else { pictures.len() };
+        let sheet = Picture::sheet(pictures, columns as u32, 6, [255, 255, 255])?;
+        write(&options.out.join(format!("figure-{figure:02}.png")), &sheet)?;
+    }
+    Ok(())
+}
+
+fn write(path: &Path, picture: &Picture) -> Result<(), Failure> {
+    let mut writer = BufWriter::new(File::create(path)?);
+    picture.write_png(&mut writer)?;
+    Ok(writer.flush()?)
+}
+
+/// The unfinished tree, if the figure shows it, and the finished one.
+fn draw(preset: &Preset, options: &Options) -> Result<Vec<Picture>, Failure> {
+    let synth = preset.synth(options.nodes);
+    let graph = synth.build_graph(preset.seed, &Silent)?;
+    let stages = synth.stages().len();
+    let shown = preset.partial_stages.into_iter().chain([stages]);
+    shown
+        .map(|count| {
+            let label = if count < stages { format!("{}, {count} of {stages}", preset.name) } else { preset.name.into() };
+            let mut picture = draw_stages(preset, &synth, &graph, count, options)?;
+            picture.label(&label, 8, 8, 2, [60, 60, 60]);
+            Ok(picture)
+        })
+        .collect()
+}
+
+fn draw_stages(
+    preset: &Preset,
+    synth: &TreeSynth,
+    graph: &Graph,
+    stages: usize,
+    options: &Options,
+) -> Result<Picture, Failure> {
+    let mut search = Search::new(graph);
+    let growth = synth.clone().first_stages(stages).grow(&mut search, preset.seed, &Silent)?;
+    if preset.planar {
+        return plane::draw(&search, &growth.skeleton, options.size);
+    }
+    let mesh = Tubes::default().mesh(&growth.skeleton)?;
+    Ok(Preview::default().with_size(options.size, options.size).draw(&mesh)?)
+}

@@ -1,0 +1,73 @@
+//! The command line.
+
+use lexopt::prelude::{Long, Short, ValueExt};
+use std::path::PathBuf;
+use treesynth::presets::{self, TYPICAL_NODES};
+
+const HELP: &str = "\
+Grows a tree and writes NAME.glb, NAME.png and NAME.json.
+
+cargo run --release --example tree -- [OPTIONS]
+
+  --preset NAME   one of --list                                [figure-06c]
+  --list          the presets, one a line, and nothing else
+  --seed N        the seed                                     [the preset's]
+  --nodes N       nodes of the graph                           [150000]
+  --threads N     threads for the graph, at least 1            [all]
+  --out DIR       where files go; made if it is not there      [out]
+  --stats FILE    figures as JSON: sizes, milliseconds of each step, peak
+                  memory, metrics
+  --help          this text";
+
+/// What to grow and where to put it.
+pub struct Options {
+    pub preset: String,
+    pub seed: Option<u64>,
+    pub nodes: usize,
+    pub threads: Option<usize>,
+    pub out: PathBuf,
+    pub stats: Option<PathBuf>,
+}
+
+impl Options {
+    /// `None` when the user asked for a text, which has been printed.
+    pub fn from_arguments() -> Result<Option<Self>, super::Failure> {
+        let mut options = Self {
+            preset: "figure-06c".into(),
+            seed: None,
+            nodes: TYPICAL_NODES,
+            threads: None,
+            out: "out".into(),
+            stats: None,
+        };
+        let mut arguments = lexopt::Parser::from_env();
+        while let Some(argument) = arguments.next()? {
+            match argument {
+                Long("preset") => options.preset = arguments.value()?.string()?,
+                Long("seed") => options.seed = Some(arguments.value()?.parse()?),
+                Long("nodes") => options.nodes = arguments.value()?.parse()?,
+                Long("threads") => {
+                    let threads = arguments.value()?.parse()?;
+                    if !(1..=1024).contains(&threads) {
+                        return Err(format!("--threads is {threads}, but must be in [1, 1024]").into());
+                    }
+                    options.threads = Some(threads);
+                }
+                Long("out") => options.out = arguments.value()?.into(),
+                Long("stats") => options.stats = Some(arguments.value()?.into()),
+                Long("list") => {
+                    for preset in presets::all() {
+                        println!("{:26} {}", preset.name, preset.caption);
+                    }
+                    return Ok(None);
+                }
+                Long("help") | Short('h') => {
+                    println!("{HELP}");
+                    return Ok(None);
+                }
+                other => return Err(other.unexpected().into()),
+            }
+        }
+        Ok(Some(options))
+    }
+}
