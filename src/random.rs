@@ -27,7 +27,7 @@ impl Purpose {
     pub const CUSTOM: Self = Self(1 << 16);
 }
 
-/// The ChaCha8 stream of one task.
+/// The `ChaCha8` stream of one task.
 ///
 /// `seed` is what the user passed to `synthesize`; `stage` counts from 0; `index` is the number of the tile,
 /// node or tree that the task works on.
@@ -42,7 +42,7 @@ pub fn stream(seed: u64, stage: u32, purpose: Purpose, index: u64) -> ChaCha8Rng
 
 /// One number in [0, 1) for a task that needs no more than one; the same keys, a hash instead of a stream.
 ///
-/// About thirty times cheaper than the first number of [`stream`]: three rounds of the SplitMix64 finalizer.
+/// About thirty times cheaper than the first number of [`stream`]: three rounds of the `SplitMix64` finalizer.
 #[inline]
 pub fn unit(seed: u64, stage: u32, purpose: Purpose, index: u64) -> f32 {
     let key = (u64::from(stage) << 32) | u64::from(purpose.0);
