@@ -85,14 +85,15 @@ impl GlbOptions {
 /// ```
 ///
 /// # Errors
-/// A mesh without triangles, or not [sound](Mesh::check); an option out of range; more than 4 GiB; whatever the
+/// A mesh without triangles, or whose arrays are not [sound](Mesh::check)
+/// (triangles without area are written as they are); an option out of range; more than 4 GiB; whatever the
 /// writer returns. Up to the first byte written nothing but the writer can fail.
 pub fn write_glb(mesh: &Mesh, options: &GlbOptions, writer: impl Write) -> Result<(), ExportError> {
     options.check()?;
     if mesh.is_empty() {
         return Err(ExportError::EmptyMesh);
     }
-    mesh.check()?;
+    mesh.check_arrays()?;
     let bounds = mesh.bounds().ok_or(ExportError::EmptyMesh)?;
 
     let layout = Layout::of(mesh);

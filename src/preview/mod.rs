@@ -1,1 +1,260 @@
-//! Preview.
+//! Shaded pictures of meshes without a GPU: for READMEs, tests and eyes.
+//!
+//! [`Preview`] draws meshes, [`Camera`] says from where, [`Picture`] holds pixels, writes them as PNG, and has what
+//! figures and contact sheets need: lines, labels, pictures in pictures.
+//!
+//! The same input gives the same pixels on every platform.
+
+mod ambient;
+mod camera;
+mod font;
+mod frame;
+mod light;
+mod picture;
+mod raster;
+mod shadow;
+
+pub use camera::{Camera, Projection};
+pub use picture::Picture;
+
+use crate::ParameterError;
+use crate::surface::{Bounds, Mesh, MeshError};
+use frame::Frame;
+use glam::Vec3;
+use light::Light;
+
+/// Farther out than this, in metres, products of coordinates leave the range of 32-bit floats.
+const FARTHEST: f32 = 1e9;
+
+/// Why there is no picture.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum PreviewError {
+    /// An option out of its range.
+    #[error(transparent)]
+    Parameter(#[from] ParameterError),
+    /// No mesh, or none with a triangle.
+    #[error("there is nothing to draw: no mesh has a triangle")]
+    EmptyMesh,
+    /// A mesh's arrays do not fit together.
+    #[error("the mesh is not sound: {0}")]
+    Mesh(#[from] MeshError),
+    /// A vertex so far out that its place in the picture cannot be computed in 32-bit floats.
+    #[error("the meshes reach from {} to {}, beyond a million kilometres", bounds.low, bounds.high)]
+    TooFar {
+        /// The box around all meshes.
+        bounds: Bounds,
+    },
+    /// The writer refused.
+    #[error("writing failed: {0}")]
+    Io(#[from] std::io::Error),
+}
+
+/// A mesh and how it is to look.
+#[derive(Debug, Clone, Copy)]
+pub struct Part<'a> {
+    mesh: &'a Mesh,
+    color: [f32; 3],
+    two_sided: bool,
+}
+
+impl<'a> Part<'a> {
+    /// A mesh in the default bark colour, seen from outside only.
+    pub fn new(mesh: &'a Mesh) -> Self {
+        Self { mesh, color: BARK, two_sided: false }
+    }
+
+    /// The part of the light that is reflected, linear red, green, blue, each 0 to 1.
+    pub fn with_color(mut self, linear: [f32; 3]) -> Self {
+        self.color = linear;
+        self
+    }
+
+    /// Whether triangles are seen from behind too, as leaves should be; default false.
+    pub fn with_two_sided(mut self, two_sided: bool) -> Self {
+        self.two_sided = two_sided;
+        self
+    }
+}
+
+/// A grey-brown bark, linear red, green, blue.
+const BARK: [f32; 3] = [0.16, 0.118, 0.088];
+
+/// Draws meshes: sun with soft shadows, a sky that the crown darkens, the shadow on the ground, smooth edges, and
+/// twigs finer than a pixel that fade instead of breaking into dots.
+///
+/// Triangles are seen from outside (counter-clockwise), unless a part is two-sided. Colours are linear (not sRGB).
+///
+/// Time: about that of looking at every triangle three times plus that of the samples the tree covers; well under
+/// a second for 350,000 triangles on 900 by 900 pixels. Memory: 80 MB, 60 bytes a vertex and triangle.
+///
+/// ```
+/// use treesynth::{Skeleton, glam::Vec3, preview::Preview, surface::Tubes};
+///
+/// let pole = Skeleton::new(vec![Vec3::ZERO, Vec3::Y], vec![None, Some(0)])?.with_radii(vec![0.1, 0.05])?;
+/// let mesh = Tubes::default().mesh(&pole)?;
+/// let picture = Preview::default().with_size(60, 80).draw(&mesh)?;
+/// assert_eq!((picture.width(), picture.height()), (60, 80));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Debug, Clone, PartialEq)]
+pub struct Preview {
+    width: u32,
+    height: u32,
+    supersampling: u32,
+    camera: Camera,
+    sun: Vec3,
+    background: [[f32; 3]; 2],
+    shows_ground: bool,
+    ground: Option<[f32; 3]>,
+    ground_height: Option<f32>,
+    bark: [f32; 3],
+}
+
+impl Default for Preview {
+    /// 900 by 900 pixels of 3 by 3 samples, the default [`Camera`], a sun from the upper left in front, almost
+    /// white all around, a shadow on the ground, grey-brown bark.
+    fn default() -> Self {
+        Self {
+            width: 900,
+            height: 900,
+            supersampling: 3,
+            camera: Camera::default(),
+            sun: Vec3::new(-0.55, 0.95, 0.6),
+            background: [[0.87, 0.91, 0.95], [0.97, 0.965, 0.955]],
+            shows_ground: true,
+            ground: None,
+            ground_height: None,
+            bark: BARK,
+        }
+    }
+}
+
+impl Preview {
+    /// Width and height in pixels, 1 to 16,384 each and at most 2²⁶ pixels; default 900 by 900.
+    pub fn with_size(mut self, width: u32, height: u32) -> Self {
+        (self.width, self.height) = (width, height);
+        self
+    }
+
+    /// Samples a pixel in each direction, 1 to 8; default 3.
+    pub fn with_supersampling(mut self, samples: u32) -> Self {
+        self.supersampling = samples;
+        self
+    }
+
+    /// From where the picture is taken; default [`Camera::default`].
+    pub fn with_camera(mut self, camera: Camera) -> Self {
+        self.camera = camera;
+        self
+    }
+
+    /// The direction the sun stands in; any length but zero; default (-0.55, 0.95, 0.6).
+    pub fn with_sun(mut self, towards: Vec3) -> Self {
+        self.sun = towards;
+        self
+    }
+
+    /// The colours at the upper and at the lower edge, linear, each channel 0 to 1; default almost white.
+    pub fn with_background(mut self, top: [f32; 3], bottom: [f32; 3]) -> Self {
+        self.background = [top, bottom];
+        self
+    }
+
+    /// Whether there is a ground for the shadow to fall on; default true.
+    pub fn with_ground(mut self, shown: bool) -> Self {
+        self.shows_ground = shown;
+        self
+    }
+
+    /// The colour of a disc of ground that fades into the background, linear, each channel 0 to 1; by default the
+    /// ground has the background's colour, and only the shadow shows.
+    pub fn with_ground_color(mut self, linear: [f32; 3]) -> Self {
+        self.ground = Some(linear);
+        self
+    }
+
+    /// The height of the ground, metres; by default that of the lowest vertex.
+    pub fn with_ground_height(mut self, height: f32) -> Self {
+        self.ground_height = Some(height);
+        self
+    }
+
+    /// The colour of the mesh that [`draw`](Self::draw) is given, linear, each channel 0 to 1; default a grey-brown.
+    pub fn with_bark(mut self, linear: [f32; 3]) -> Self {
+        self.bark = linear;
+        self
+    }
+
+    /// A picture of one mesh.
+    ///
+    /// # Errors
+    /// As of [`draw_parts`](Self::draw_parts).
+    pub fn draw(&self, mesh: &Mesh) -> Result<Picture, PreviewError> {
+        self.draw_parts(&[Part::new(mesh).with_color(self.bark)])
+    }
+
+    /// A picture of several meshes, e.g. bark and leaves, that shade each other.
+    ///
+    /// # Errors
+    /// An option out of range; nothing to draw; arrays that do not fit together, NaN and infinities; a mesh
+    /// beyond a million kilometres.
+    pub fn draw_parts(&self, parts: &[Part<'_>]) -> Result<Picture, PreviewError> {
+        self.check()?;
+        for part in parts {
+            check_color("Part.color", part.color)?;
+            part.mesh.check_arrays()?;
+        }
+        if parts.iter().all(|part| part.mesh.is_empty()) {
+            return Err(PreviewError::EmptyMesh);
+        }
+        let points = || parts.iter().flat_map(|part| part.mesh.positions.iter().copied());
+        let bounds = Bounds::of(points()).ok_or(PreviewError::EmptyMesh)?;
+        if bounds.low.abs().max(bounds.high.abs()).max_element() > FARTHEST {
+            return Err(PreviewError::TooFar { bounds });
+        }
+
+        let mut picture = Picture::new(self.width, self.height, [0; 3])?;
+        let samples = self.supersampling as f32;
+        let view = self.camera.view(points(), self.width as f32 * samples, self.height as f32 * samples);
+        let mut light = Light::new(self.sun.normalize_or(Vec3::Y), bounds);
+        for Part { mesh, two_sided, .. } in parts {
+            for corners in mesh.triangles() {
+                light.add(corners.map(|corner| mesh.positions[corner as usize]), *two_sided);
+            }
+        }
+        light.finish();
+        let ground = self.shows_ground.then(|| {
+            let height = self.ground_height.unwrap_or(bounds.low.y);
+            let size = bounds.size();
+            (bounds.center().with_y(height), (0.75 * size.x.max(size.z) + 0.5 * size.y).max(1e-6))
+        });
+        Frame::new(self, parts, view, light, ground).draw(picture.pixels_mut());
+        Ok(picture)
+    }
+
+    fn check(&self) -> Result<(), PreviewError> {
+        picture::check_size("Preview", self.width, self.height)?;
+        let samples = self.supersampling;
+        ParameterError::unless((1..=8).contains(&samples), "Preview.supersampling", samples, "1 to 8")?;
+        let length = self.sun.length();
+        let range = "a direction: finite and not zero";
+        ParameterError::unless(length > 1e-9 && length < 1e9, "Preview.sun", self.sun, range)?;
+        let height = self.ground_height.unwrap_or(0.0);
+        let range = "within a million kilometres";
+        ParameterError::unless(height.abs() <= FARTHEST, "Preview.ground_height", height, range)?;
+        check_color("Preview.background", self.background[0])?;
+        check_color("Preview.background", self.background[1])?;
+        check_color("Preview.ground_color", self.ground.unwrap_or_default())?;
+        check_color("Preview.bark", self.bark)?;
+        self.camera.check()
+    }
+}
+
+fn check_color(parameter: &str, color: [f32; 3]) -> Result<(), ParameterError> {
+    let holds = color.iter().all(|channel| (0.0..=1.0).contains(channel));
+    ParameterError::unless(holds, parameter, color, "0 to 1 in each channel, linear")
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,354 @@
+//! From triangles to pixels, a strip of rows at a time.
+//!
+//! Each strip holds for every sample the nearest triangle and its nearness. Only when all are in is anything
+//! shaded, once a pixel and triangle. Thin triangles (see [`raster`]) are laid over the pixels by their area.
+
+use super::camera::View;
+use super::light::Light;
+use super::raster;
+use super::{Part, Preview};
+use glam::{Vec2, Vec3};
+use std::ops::Range;
+
+/// Rows of pixels in a strip: its samples stay in the cache.
+const STRIP: usize = 24;
+/// No triangle.
+const NOTHING: u32 = u32::MAX;
+/// Triangles lower than this many samples are thin.
+const THIN: f32 = 1.5;
+/// Part of a pixel over which something thin passes on into the next one.
+const SOFTNESS: f32 = 0.75;
+
+/// A triangle turned towards the camera.
+#[derive(Debug, Clone, Copy)]
+struct Facet {
+    part: u32,
+    corners: [u32; 3],
+    flipped: bool,
+    thin: bool,
+}
+
+/// Everything that is to be seen, projected.
+pub(super) struct Frame<'a> {
+    preview: &'a Preview,
+    parts: &'a [Part<'a>],
+    view: View,
+    light: Light,
+    /// Height of the ground, and the middle and radius of the disc of it that is drawn.
+    ground: Option<(Vec3, f32)>,
+    projected: Vec<Vec<Vec3>>,
+    facets: Vec<Facet>,
+    /// The facets of each strip, and where they start.
+    members: Vec<u32>,
+    starts: Vec<usize>,
+    columns: usize,
+    samples: usize,
+}
+
+impl<'a> Frame<'a> {
+    pub(super) fn new(
+        preview: &'a Preview,
+        parts: &'a [Part<'a>],
+        view: View,
+        light: Light,
+        ground: Option<(Vec3, f32)>,
+    ) -> Self {
+        let samples = preview.supersampling as usize;
+        let mut frame = Self {
+            preview,
+            parts,
+            view,
+            light,
+            ground,
+            projected: Vec::new(),
+            facets: Vec::new(),
+            members: Vec::new(),
+            starts: Vec::new(),
+            columns: preview.width as usize * samples,
+            samples,
+        };
+        frame.project();
+        frame.sort();
+        frame
+    }
+
+    fn project(&mut self) {
+        let behind = Vec3::NAN;
+        for (part, Part { mesh, two_sided, .. }) in self.parts.iter().enumerate() {
+            let seen: Vec<_> = mesh
+                .positions
+                .iter()
+                .map(|&position| self.view.project(position).unwrap_or(behind))
+                .collect();
+            for corners in mesh.triangles() {
+                let places = corners.map(|corner| seen[corner as usize]);
+                let area = raster::double_area(places);
+                // A NaN fails this too: what reaches behind the camera is left out.
+                if area < 0.0 || (area > 0.0 && *two_sided) {
+                    let thin = raster::is_thin(places, THIN);
+                    self.facets.push(Facet { part: part as u32, corners, flipped: area > 0.0, thin });
+                }
+            }
+            self.projected.push(seen);
+        }
+    }
+
+    fn places(&self, facet: Facet) -> [Vec3; 3] {
+        let seen = &self.projected[facet.part as usize];
+        facet.corners.map(|corner| seen[corner as usize])
+    }
+
+    /// The strips a facet reaches.
+    fn strips(&self, facet: Facet, strips: usize) -> Range<usize> {
+        let margin = if facet.thin { 2.0 * self.samples as f32 } else { 0.0 };
+        let (first, last) = raster::rows(self.places(facet), margin);
+        let height = (STRIP * self.samples) as f32;
+        if last < 0.0 || first >= height * strips as f32 {
+            return 0..0;
+        }
+        (first / height).max(0.0) as usize..((last / height) as usize + 1).min(strips)
+    }
+
+    /// A counting sort of the facets by strip.
+    fn sort(&mut self) {
+        let strips = (self.preview.height as usize).div_ceil(STRIP);
+        let mut starts = vec![0usize; strips + 1];
+        for &facet in &self.facets {
+            for strip in self.strips(facet, strips) {
+                starts[strip + 1] += 1;
+            }
+        }
+        for strip in 0..strips {
+            starts[strip + 1] += starts[strip];
+        }
+        let mut next = starts.clone();
+        let mut members = vec![0; starts[strips]];
+        for (index, &facet) in self.facets.iter().enumerate() {
+            for strip in self.strips(facet, strips) {
+                members[next[strip]] = index as u32;
+                next[strip] += 1;
+            }
+        }
+        (self.starts, self.members) = (starts, members);
+    }
+
+    /// Draws everything; `pixels` are the rows of a picture.
+    pub(super) fn draw(&self, pixels: &mut [[u8; 3]]) {
+        let width = self.preview.width as usize;
+        let tones = Tones::new();
+        let mut strip = Strip::new(self.columns, STRIP * self.samples, width * STRIP);
+        for (index, rows) in pixels.chunks_mut(width * STRIP).enumerate() {
+            let height = rows.len() / width;
+            strip.clear(index * STRIP * self.samples, height * self.samples);
+            let members = &self.members[self.starts[index]..self.starts[index + 1]];
+            self.fill(members, &mut strip);
+            self.strew(members, &mut strip);
+            for (i, pixel) in rows.iter_mut().enumerate() {
+                let color = self.pixel(&strip, i % width, i / width, index * STRIP);
+                *pixel = tones.of(color, (i % width, index * STRIP + i / width));
+            }
+        }
+    }
+
+    fn fill(&self, members: &[u32], strip: &mut Strip) {
+        let rows = strip.top..strip.top + strip.rows;
+        for &member in members {
+            let facet = self.facets[member as usize];
+            if facet.thin {
+                continue;
+            }
+            raster::fill(self.places(facet), self.columns, rows.clone(), |x, y, nearness| {
+                let at = (y - strip.top) * self.columns + x;
+                if nearness > strip.solid[at] {
+                    strip.solid[at] = nearness;
+                    strip.facets[at] = member;
+                }
+            });
+        }
+    }
+
+    fn strew(&self, members: &[u32], strip: &mut Strip) {
+        let thin = || members.iter().map(|&member| self.facets[member as usize]).filter(|facet| facet.thin);
+        // Surfaces of many small triangles hide what is behind them, although none of them is solid.
+        strip.nearest.copy_from_slice(&strip.solid);
+        let rows = strip.top..strip.top + strip.rows;
+        for facet in thin() {
+            raster::fill(self.places(facet), self.columns, rows.clone(), |x, y, nearness| {
+                let nearest = &mut strip.nearest[(y - strip.top) * self.columns + x];
+                *nearest = nearest.max(nearness);
+            });
+        }
+        let margin = self.samples as f32;
+        let low = Vec2::new(-margin, strip.top as f32 - margin);
+        let high = Vec2::new(self.columns as f32, (strip.top + strip.rows) as f32) + margin;
+        for facet in thin() {
+            let mut color = None;
+            raster::strew(self.places(facet), low, high, |place, area| {
+                if strip.hides(place, self.view.step(place.z) * 2.0 * margin, self.columns) {
+                    return;
+                }
+                let color =
+                    *color.get_or_insert_with(|| self.shade(facet, [1.0 / 3.0; 3], self.middle(facet)));
+                strip.lay(place, area, color, self.samples);
+            });
+        }
+    }
+
+    fn middle(&self, facet: Facet) -> Vec3 {
+        let positions = &self.parts[facet.part as usize].mesh.positions;
+        facet.corners.map(|corner| positions[corner as usize]).iter().sum::<Vec3>() / 3.0
+    }
+
+    /// The colour of a facet at a point with these weights of its corners.
+    fn shade(&self, facet: Facet, weights: [f32; 3], point: Vec3) -> Vec3 {
+        let Part { mesh, color, .. } = &self.parts[facet.part as usize];
+        let normals = facet.corners.map(|corner| mesh.normals[corner as usize]);
+        let normal = normals[0] * weights[0] + normals[1] * weights[1] + normals[2] * weights[2];
+        let normal = normal.normalize_or(normals[0]);
+        Vec3::from_array(*color) * self.light.on(point, if facet.flipped { -normal } else { normal })
+    }
+
+    fn shade_sample(&self, facet: Facet, x: f32, y: f32, nearness: f32) -> Vec3 {
+        let places = self.places(facet);
+        let place = Vec3::new(x, y, 0.0);
+        let whole = raster::double_area(places);
+        let share = |a: Vec3, b: Vec3| (raster::double_area([a, b, place]) / whole).clamp(0.0, 1.0);
+        let (second, third) = (share(places[2], places[0]), share(places[0], places[1]));
+        self.shade(facet, [1.0 - second - third, second, third], self.view.position(x, y, nearness))
+    }
+
+    fn pixel(&self, strip: &Strip, column: usize, row: usize, top: usize) -> Vec3 {
+        let n = self.samples;
+        let (mut color, mut holes) = (Vec3::ZERO, 0u32);
+        let mut last = (NOTHING, Vec3::ZERO);
+        for sample in 0..n * n {
+            let (x, y) = (column * n + sample % n, row * n + sample / n);
+            let at = y * self.columns + x;
+            let member = strip.facets[at];
+            if member == NOTHING {
+                holes += 1;
+                continue;
+            }
+            if member != last.0 {
+                let (x, y) = (x as f32 + 0.5, (y + strip.top) as f32 + 0.5);
+                last = (member, self.shade_sample(self.facets[member as usize], x, y, strip.solid[at]));
+            }
+            color += last.1;
+        }
+        if holes > 0 {
+            color += self.backdrop(column, top + row) * holes as f32;
+        }
+        color /= (n * n) as f32;
+        let (thin, coverage) = strip.over[row * self.preview.width as usize + column];
+        if coverage > 0.0 { color.lerp(thin / coverage, coverage.min(1.0)) } else { color }
+    }
+
+    /// What is seen where there is no tree: the background, and the shadow on the ground.
+    fn backdrop(&self, column: usize, row: usize) -> Vec3 {
+        let down = (row as f32 + 0.5) / self.preview.height as f32;
+        let [top, bottom] = self.preview.background.map(Vec3::from_array);
+        let background = top.lerp(bottom, down);
+        let Some((middle, radius)) = self.ground else { return background };
+        let scale = self.samples as f32;
+        let (x, y) = ((column as f32 + 0.5) * scale, (row as f32 + 0.5) * scale);
+        let Some(point) = self.view.ground(x, y, middle.y) else { return background };
+        let outward = point.distance(middle) / radius;
+        if outward >= 1.0 {
+            return background;
+        }
+        let fade = ((1.0 - outward) * 2.0).min(1.0);
+        let fade = fade * fade * (3.0 - 2.0 * fade);
+        let color = self.preview.ground.map_or(background, Vec3::from_array);
+        background.lerp(color * self.light.on_ground(point), fade)
+    }
+}
+
+/// Some rows of samples, and the pixels they make.
+struct Strip {
+    top: usize,
+    rows: usize,
+    /// Nearness of solid triangles.
+    solid: Vec<f32>,
+    facets: Vec<u32>,
+    /// Nearness of all triangles.
+    nearest: Vec<f32>,
+    /// What is thin, a pixel: colour times coverage, and coverage.
+    over: Vec<(Vec3, f32)>,
+}
+
+impl Strip {
+    fn new(columns: usize, rows: usize, pixels: usize) -> Self {
+        Self {
+            top: 0,
+            rows,
+            solid: vec![f32::NEG_INFINITY; columns * rows],
+            facets: vec![NOTHING; columns * rows],
+            nearest: vec![f32::NEG_INFINITY; columns * rows],
+            over: vec![(Vec3::ZERO, 0.0); pixels],
+        }
+    }
+
+    fn clear(&mut self, top: usize, rows: usize) {
+        (self.top, self.rows) = (top, rows);
+        self.solid.fill(f32::NEG_INFINITY);
+        self.facets.fill(NOTHING);
+        self.over.fill((Vec3::ZERO, 0.0));
+    }
+
+    /// Whether something is nearer than a place by more than `bias`.
+    fn hides(&self, place: Vec3, bias: f32, columns: usize) -> bool {
+        let column = (place.x.max(0.0) as usize).min(columns - 1);
+        let row = ((place.y - self.top as f32).max(0.0) as usize).min(self.rows - 1);
+        self.nearest[row * columns + column] > place.z + bias
+    }
+
+    /// Lays an area, in samples, over the four pixels around a place.
+    fn lay(&mut self, place: Vec3, area: f32, color: Vec3, samples: usize) {
+        let scale = 1.0 / samples as f32;
+        let width = self.over.len() / STRIP;
+        let (x, y) = (place.x * scale - 0.5, (place.y - self.top as f32) * scale - 0.5);
+        let pass = |fraction: f32| ((fraction - 0.5) / SOFTNESS + 0.5).clamp(0.0, 1.0);
+        let (left, above) = (x.floor(), y.floor());
+        let (right_share, lower_share) = (pass(x - left), pass(y - above));
+        let height = (self.rows / samples) as f32;
+        let coverage = area * scale * scale;
+        for (row, vertical) in [(above, 1.0 - lower_share), (above + 1.0, lower_share)] {
+            for (column, horizontal) in [(left, 1.0 - right_share), (left + 1.0, right_share)] {
+                if row >= 0.0 && row < height && column >= 0.0 && column < width as f32 {
+                    let share = coverage * vertical * horizontal;
+                    let (sum, total) = &mut self.over[row as usize * width + column as usize];
+                    *sum += color * share;
+                    *total += share;
+                }
+            }
+        }
+    }
+}
+
+/// From linear light to 8 bits of sRGB.
+struct Tones(Vec<f32>);
+
+impl Tones {
+    const STEPS: usize = 8192;
+    /// In which order the pixels of a 4 by 4 block round up (Bayer), so that slow gradients show no bands.
+    const ORDER: [[u8; 4]; 4] = [[0, 8, 2, 10], [12, 4, 14, 6], [3, 11, 1, 9], [15, 7, 13, 5]];
+
+    fn new() -> Self {
+        let tone = |i: usize| {
+            let linear = i as f32 / (Self::STEPS - 1) as f32;
+            let encoded = if linear <= 0.003_130_8 {
+                12.92 * linear
+            } else {
+                1.055 * crate::math::powf(linear, 1.0 / 2.4) - 0.055
+            };
+            encoded * 255.0
+        };
+        Self((0..Self::STEPS).map(tone).collect())
+    }
+
+    fn of(&self, color: Vec3, (column, row): (usize, usize)) -> [u8; 3] {
+        let threshold = (f32::from(Self::ORDER[row % 4][column % 4]) + 0.5) / 16.0;
+        let scaled = color.clamp(Vec3::ZERO, Vec3::ONE) * (Self::STEPS - 1) as f32 + 0.5;
+        scaled.to_array().map(|channel| (self.0[channel as usize] + threshold) as u8)
+    }
+}

@@ -1,0 +1,53 @@
+//! Sun and sky on a surface.
+
+use super::ambient::Ambient;
+use super::shadow::ShadowMap;
+use crate::surface::Bounds;
+use glam::Vec3;
+
+/// Light of the sun on a surface that faces it, linear red, green, blue.
+const SUN: Vec3 = Vec3::new(2.5, 2.3, 2.02);
+/// Light of the open sky on a surface that faces up.
+const SKY: Vec3 = Vec3::new(0.78, 0.9, 1.1);
+/// Light from the ground on a surface that faces down.
+const GROUND: Vec3 = Vec3::new(0.5, 0.47, 0.43);
+
+pub(super) struct Light {
+    sun: Vec3,
+    shadow: ShadowMap,
+    ambient: Ambient,
+}
+
+impl Light {
+    /// Light from the direction `sun`, a unit vector, for what is in `bounds`.
+    pub(super) fn new(sun: Vec3, bounds: Bounds) -> Self {
+        Self { sun, shadow: ShadowMap::new(sun, bounds), ambient: Ambient::new(bounds) }
+    }
+
+    /// Adds a triangle that may stand in the light.
+    #[inline]
+    pub(super) fn add(&mut self, corners: [Vec3; 3], two_sided: bool) {
+        self.shadow.add(corners, two_sided);
+        self.ambient.add(corners, two_sided);
+    }
+
+    /// To be called once, when everything is in.
+    pub(super) fn finish(&mut self) {
+        self.shadow.finish();
+        self.ambient.finish();
+    }
+
+    /// The light that falls on a point of a surface.
+    pub(super) fn on(&self, point: Vec3, normal: Vec3) -> Vec3 {
+        let facing = normal.dot(self.sun);
+        let sun = if facing > 0.0 { SUN * (facing * self.shadow.light(point, normal)) } else { Vec3::ZERO };
+        let open = self.ambient.light(point, normal);
+        sun + GROUND.lerp(SKY, 0.5 + 0.5 * normal.y) * open
+    }
+
+    /// What is left of the light on level ground, each channel 0 to 1.
+    pub(super) fn on_ground(&self, point: Vec3) -> Vec3 {
+        let full = SUN * self.sun.y.max(0.0) + SKY;
+        (self.on(point, Vec3::Y) / full).clamp(Vec3::ZERO, Vec3::ONE)
+    }
+}

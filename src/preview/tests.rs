@@ -1,0 +1,179 @@
+//! The renderer as a whole.
+
+use super::*;
+use crate::Skeleton;
+use crate::surface::Tubes;
+use proptest::prelude::*;
+
+const WHITE: [f32; 3] = [1.0; 3];
+
+fn pole(radius: f32) -> Mesh {
+    let points = (0..=20).map(|i| Vec3::new(0.02 * i as f32, 0.1 * i as f32, 0.0)).collect();
+    let parents = (0..=20u32).map(|i| i.checked_sub(1)).collect();
+    let skeleton =
+        Skeleton::new(points, parents).and_then(|s| s.with_radii(vec![radius; 21])).expect("sound");
+    Tubes::default().mesh(&skeleton).expect("has a surface")
+}
+
+/// Two triangles in the plane z = 0, seen from +Z.
+fn board(half: f32) -> Mesh {
+    let corner = |x: f32, y: f32| Vec3::new(x * half, y * half, 0.0);
+    let positions = vec![corner(-1.0, -1.0), corner(1.0, -1.0), corner(1.0, 1.0), corner(-1.0, 1.0)];
+    Mesh::new(positions, vec![Vec3::Z; 4], vec![0, 1, 2, 0, 2, 3])
+}
+
+fn plain(width: u32, height: u32) -> Preview {
+    Preview::default().with_size(width, height).with_background(WHITE, WHITE).with_ground(false)
+}
+
+fn level() -> Camera {
+    Camera::default().with_elevation(0.0).with_projection(Projection::Orthographic)
+}
+
+/// Coverage of each row by something black, pixels.
+fn rows(picture: &Picture) -> Vec<f32> {
+    let linear = |v: u8| {
+        let v = f32::from(v) / 255.0;
+        if v <= 0.04045 { v / 12.92 } else { crate::math::powf((v + 0.055) / 1.055, 2.4) }
+    };
+    let rows = picture.pixels().chunks(picture.width() as usize);
+    rows.map(|row| row.iter().map(|pixel| 1.0 - linear(pixel[0])).sum()).collect()
+}
+
+#[test]
+fn a_board_covers_its_pixels() {
+    let camera = level().with_margin(0.25);
+    let picture = plain(64, 64).with_camera(camera).with_bark([0.0; 3]).draw(&board(1.0)).expect("a picture");
+    for (y, covered) in rows(&picture).into_iter().enumerate() {
+        let expected = if (16..48).contains(&y) { 32.0 } else { 0.0 };
+        assert!((covered - expected).abs() < 0.1, "{covered} in row {y}");
+    }
+}
+
+#[test]
+fn a_wire_is_as_dark_as_it_is_wide_and_never_broken() {
+    for width in [0.05, 0.2, 0.5, 0.8, 1.5, 4.0] {
+        let scale = 92.0 / 2.0;
+        let mesh = pole(0.5 * width / scale);
+        let picture =
+            plain(100, 100).with_camera(level()).with_bark([0.0; 3]).draw(&mesh).expect("a picture");
+        // The pole leans, and its polygon is narrower than its circle.
+        let expected = width * 1.02;
+        for (y, covered) in rows(&picture).into_iter().enumerate().skip(8).take(84) {
+            let error = (covered - expected).abs() / expected;
+            assert!(error < 0.25, "{covered} of {expected} in row {y}");
+        }
+    }
+}
+
+#[test]
+fn the_back_is_seen_if_asked_for() {
+    let mesh = board(1.0);
+    let behind = plain(32, 32).with_camera(level().with_azimuth(std::f32::consts::PI));
+    let seen = |part: Part<'_>| -> f32 {
+        rows(&behind.draw_parts(&[part.with_color([0.0; 3])]).expect("a picture")).into_iter().sum()
+    };
+    assert!(seen(Part::new(&mesh)) < 0.1);
+    assert!(seen(Part::new(&mesh).with_two_sided(true)) > 500.0);
+}
+
+#[test]
+fn what_is_nearer_hides_what_is_farther() {
+    let mut near = board(0.5);
+    near.positions.iter_mut().for_each(|p| p.z = 1.0);
+    let far = board(1.0);
+    let parts = [Part::new(&near).with_color([0.9, 0.0, 0.0]), Part::new(&far).with_color([0.0, 0.0, 0.9])];
+    for parts in [[parts[0], parts[1]], [parts[1], parts[0]]] {
+        let picture = plain(64, 64).with_camera(level()).draw_parts(&parts).expect("a picture");
+        let [red, _, blue] = picture.pixel(32, 32).expect("inside");
+        assert!(red > 100 && blue < 10);
+        let [red, _, blue] = picture.pixel(8, 8).expect("inside");
+        assert!(red < 10 && blue > 50);
+    }
+}
+
+#[test]
+fn a_trunk_has_a_shadow_on_the_ground() {
+    let preview = plain(100, 100).with_ground(true).with_sun(Vec3::new(-1.0, 1.0, 0.0));
+    let picture =
+        preview.with_camera(Camera::default().with_elevation(0.4)).draw(&pole(0.05)).expect("a picture");
+    let darkest = |columns: std::ops::Range<u32>| {
+        columns
+            .flat_map(|x| (0..100).map(move |y| (x, y)))
+            .filter_map(|(x, y)| picture.pixel(x, y))
+            .map(|p| p[0])
+            .min()
+    };
+    assert!(darkest(75..100) < Some(200), "to the right, away from the sun");
+    assert!(darkest(0..25) > Some(230));
+}
+
+#[test]
+fn the_same_input_gives_the_same_picture() {
+    let draw = || Preview::default().with_size(80, 60).draw(&pole(0.02)).expect("a picture");
+    assert_eq!(draw(), draw());
+}
+
+#[test]
+fn faults_are_named() {
+    let small = plain(16, 16);
+    assert!(matches!(small.draw(&Mesh::default()), Err(PreviewError::EmptyMesh)));
+    assert!(matches!(small.draw_parts(&[]), Err(PreviewError::EmptyMesh)));
+    let mut mesh = pole(0.1);
+    mesh.positions[5].x = f32::NAN;
+    assert!(matches!(small.draw(&mesh), Err(PreviewError::Mesh(MeshError::Position { vertex: 5, .. }))));
+    mesh.positions[5].x = 1e12;
+    assert!(matches!(small.draw(&mesh), Err(PreviewError::TooFar { .. })));
+    mesh.positions[5].x = 0.0;
+    mesh.normals[7] = Vec3::NAN;
+    assert!(matches!(small.draw(&mesh), Err(PreviewError::Mesh(MeshError::Normal { vertex: 7, .. }))));
+    let nan = f32::NAN;
+    let wrong = [
+        small.clone().with_size(0, 10),
+        small.clone().with_size(u32::MAX, u32::MAX),
+        small.clone().with_supersampling(0),
+        small.clone().with_supersampling(9),
+        small.clone().with_sun(Vec3::ZERO),
+        small.clone().with_sun(Vec3::NAN),
+        small.clone().with_bark([2.0, 0.0, 0.0]),
+        small.clone().with_background([nan; 3], WHITE),
+        small.clone().with_ground_color([-1.0; 3]),
+        small.clone().with_ground_height(f32::INFINITY),
+        small.clone().with_camera(Camera::default().with_azimuth(nan)),
+        small.clone().with_camera(Camera::default().with_elevation(2.0)),
+        small.clone().with_camera(Camera::default().with_margin(0.5)),
+        small.clone().with_camera(level().with_projection(Projection::Perspective { field_of_view: 0.0 })),
+        small.clone().with_camera(level().framing(Bounds { low: Vec3::ONE, high: Vec3::ZERO })),
+        small.clone().with_camera(level().framing(Bounds { low: Vec3::ZERO, high: Vec3::splat(nan) })),
+    ];
+    for preview in wrong {
+        assert!(matches!(preview.draw(&pole(0.1)), Err(PreviewError::Parameter(_))), "{preview:?}");
+    }
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(32))]
+    #[test]
+    fn any_mesh_has_a_picture(
+        points in prop::collection::vec(prop::array::uniform3(-1.0f32..1.0), 3..12),
+        indices in prop::collection::vec(any::<prop::sample::Index>(), 3..60),
+        scale in prop::sample::select(vec![0.0f32, 1e-12, 1e-3, 1.0, 1e4, 9e8]),
+        azimuth in -7.0f32..7.0, elevation in -1.57f32..1.57, perspective in any::<bool>(),
+        frame in prop::option::of(prop::array::uniform3(0.0f32..2.0)),
+        size in (1u32..60, 1u32..60), samples in 1u32..4, two_sided in any::<bool>(),
+    ) {
+        let positions: Vec<_> = points.iter().map(|&p| Vec3::from_array(p) * scale).collect();
+        let indices: Vec<_> = indices.iter().map(|i| i.index(points.len()) as u32).collect();
+        let mesh = Mesh::new(positions, vec![Vec3::Y; points.len()], indices[..indices.len() / 3 * 3].to_vec());
+        let projection =
+            if perspective { Projection::Perspective { field_of_view: 1.0 } } else { Projection::Orthographic };
+        let mut camera =
+            Camera::default().with_azimuth(azimuth).with_elevation(elevation).with_projection(projection);
+        if let Some(high) = frame {
+            camera = camera.framing(Bounds { low: Vec3::ZERO, high: Vec3::from_array(high) });
+        }
+        let preview = Preview::default().with_size(size.0, size.1).with_supersampling(samples).with_camera(camera);
+        let picture = preview.draw_parts(&[Part::new(&mesh).with_two_sided(two_sided)]);
+        prop_assert_eq!(picture.map(|p| (p.width(), p.height())).ok(), Some(size));
+    }
+}
