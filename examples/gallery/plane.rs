@@ -7,7 +7,7 @@ use treesynth::guided::Search;
 use treesynth::preview::Picture;
 
 /// The edges of the graph, the guiding vectors of the last stage, and the tree.
-pub fn draw(search: &Search<'_>, skeleton: &Skeleton, size: u32) -> Result<Picture, Failure> {
+pub(crate) fn draw(search: &Search<'_>, skeleton: &Skeleton, size: u32) -> Result<Picture, Failure> {
     let graph = search.graph();
     let (min, max) = graph
         .positions()

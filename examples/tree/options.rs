@@ -20,18 +20,18 @@ cargo run --release --example tree -- [OPTIONS]
   --help          this text";
 
 /// What to grow and where to put it.
-pub struct Options {
-    pub preset: String,
-    pub seed: Option<u64>,
-    pub nodes: usize,
-    pub threads: Option<usize>,
-    pub out: PathBuf,
-    pub stats: Option<PathBuf>,
+pub(crate) struct Options {
+    pub(crate) preset: String,
+    pub(crate) seed: Option<u64>,
+    pub(crate) nodes: usize,
+    pub(crate) threads: Option<usize>,
+    pub(crate) out: PathBuf,
+    pub(crate) stats: Option<PathBuf>,
 }
 
 impl Options {
     /// `None` when the user asked for a text, which has been printed.
-    pub fn from_arguments() -> Result<Option<Self>, super::Failure> {
+    pub(crate) fn from_arguments() -> Result<Option<Self>, super::Failure> {
         let mut options = Self {
             preset: "figure-06c".into(),
             seed: None,

@@ -5,7 +5,7 @@ use serde_json::{Map, Value, json};
 use treesynth::guided::Graph;
 use treesynth::{Metrics, Skeleton};
 
-pub fn stats(
+pub(crate) fn stats(
     preset: &str,
     seed: u64,
     graph: &Graph,

@@ -7,15 +7,15 @@ use std::time::{Duration, Instant};
 use treesynth::{Observer, Progress, Work};
 
 /// Steps of work, in order, and how long they took.
-pub type Steps = Vec<(String, Duration)>;
+pub(crate) type Steps = Vec<(String, Duration)>;
 
-pub struct Watch {
+pub(crate) struct Watch {
     bar: ProgressBar,
     state: Mutex<(Instant, Steps)>,
 }
 
 impl Watch {
-    pub fn new() -> Self {
+    pub(crate) fn new() -> Self {
         let bar = ProgressBar::new(1000);
         if let Ok(style) = ProgressStyle::with_template("{msg:>14} [{bar:40}] {percent:>3}% {elapsed_precise}") {
             bar.set_style(style.progress_chars("=> "));
@@ -23,7 +23,7 @@ impl Watch {
         Self { bar, state: Mutex::new((Instant::now(), Vec::new())) }
     }
 
-    pub fn finish(self) -> Steps {
+    pub(crate) fn finish(self) -> Steps {
         self.bar.finish_and_clear();
         self.state.into_inner().map(|(_, steps)| steps).unwrap_or_default()
     }
