@@ -87,7 +87,7 @@ impl GlbOptions {
 /// # Errors
 /// A mesh without triangles, or whose arrays are not [sound](Mesh::check)
 /// (triangles without area are written as they are); an option out of range; more than 4 GiB; whatever the
-/// writer returns. Up to the first byte written nothing but the writer can fail.
+/// writer returns. Once a byte is written, nothing but the writer can fail.
 pub fn write_glb(mesh: &Mesh, options: &GlbOptions, writer: impl Write) -> Result<(), ExportError> {
     options.check()?;
     if mesh.is_empty() {
@@ -97,7 +97,7 @@ pub fn write_glb(mesh: &Mesh, options: &GlbOptions, writer: impl Write) -> Resul
     let bounds = mesh.bounds().ok_or(ExportError::EmptyMesh)?;
 
     let layout = Layout::of(mesh);
-    let mut json = json(mesh, options, bounds, &layout).into_bytes();
+    let mut json = json(options, bounds, &layout).into_bytes();
     json.resize(json.len().next_multiple_of(4), b' ');
     let bytes = 12 + 8 + json.len() as u64 + 8 + layout.bytes;
     if bytes > u64::from(u32::MAX) {
@@ -169,7 +169,7 @@ impl Layout {
     }
 }
 
-fn json(mesh: &Mesh, options: &GlbOptions, bounds: Bounds, layout: &Layout) -> String {
+fn json(options: &GlbOptions, bounds: Bounds, layout: &Layout) -> String {
     let name = escaped(&options.name);
     let [red, green, blue] = options.base_color.map(f64::from);
     let mut views = String::new();
@@ -196,7 +196,6 @@ fn json(mesh: &Mesh, options: &GlbOptions, bounds: Bounds, layout: &Layout) -> S
             let _ = write!(attributes, r#"{comma}"{attribute}":{i}"#);
         }
     }
-    debug_assert!(mesh.positions.len() == layout.views[0].count);
     format!(
         concat!(
             r#"{{"asset":{{"version":"2.0","generator":"treesynth {version}"}},"#,

@@ -71,7 +71,7 @@ pub(super) fn fill(
         let stop = ((right - 0.5).floor() + 1.0).clamp(0.0, columns as f32) as usize;
         for column in start..stop {
             let nearness = a.z + slope_x * (column as f32 + 0.5 - a.x) + slope_y * (y - a.y);
-            put(column, row, nearness.clamp(low.z, high.z));
+            put(column, row, nearness.max(low.z).min(high.z));
         }
     }
 }
@@ -195,9 +195,9 @@ mod tests {
             c in prop::array::uniform8(-5.0f32..45.0),
         ) {
             let [a, b, p, q] = [(0, 1), (2, 3), (4, 5), (6, 7)].map(|(i, j)| Vec3::new(c[i], c[j], 0.0));
-            // Two triangles on the two sides of a common edge against the quadrilateral's bounds by area.
-            let sides = double_area([a, b, p]).signum() * double_area([a, b, q]).signum();
-            prop_assume!(sides < 0.0);
+            // Two triangles on the two sides of a common edge.
+            let one_side = double_area([a, b, p]) * double_area([a, b, q]) > 0.0;
+            let q = if one_side { a + b - q } else { q };
             let (mut one, other) = (covered([a, b, p]), covered([b, a, q]));
             one.extend(other);
             let inside = |x: f32, y: f32, t: [Vec3; 3]| {
