@@ -13,7 +13,7 @@ use treesynth::Silent;
 use treesynth::guided::{Graph, Search, TreeSynth};
 use treesynth::presets::{self, Preset, TYPICAL_NODES};
 use treesynth::preview::{Picture, Preview};
-use treesynth::surface::Tubes;
+use treesynth::surface::{Tubes, relax};
 
 type Failure = Box<dyn std::error::Error>;
 
@@ -69,7 +69,11 @@ fn draw(preset: &Preset, options: &Options) -> Result<Vec<Picture>, Failure> {
     let shown = preset.partial_stages.into_iter().chain([stages]);
     shown
         .map(|count| {
-            let label = if count < stages { format!("{}, {count} of {stages}", preset.name) } else { preset.name.into() };
+            let label = if count < stages {
+                format!("{}, {count} of {stages}", preset.name)
+            } else {
+                preset.name.into()
+            };
             let mut picture = draw_stages(preset, &synth, &graph, count, options)?;
             picture.label(&label, 8, 8, 2, [60, 60, 60]);
             Ok(picture)
@@ -89,6 +93,6 @@ fn draw_stages(
     if preset.planar {
         return plane::draw(&search, &growth.skeleton, options.size);
     }
-    let mesh = Tubes::default().mesh(&growth.skeleton)?;
+    let mesh = Tubes::default().mesh(&relax(&growth.skeleton, 0.5, 3)?)?;
     Ok(Preview::default().with_size(options.size, options.size).draw(&mesh)?)
 }

@@ -14,7 +14,7 @@ use std::time::Instant;
 use treesynth::export::{gltf, json};
 use treesynth::guided::Search;
 use treesynth::preview::Preview;
-use treesynth::surface::Tubes;
+use treesynth::surface::{Tubes, relax};
 use treesynth::{Metrics, presets};
 
 type Failure = Box<dyn std::error::Error>;
@@ -53,7 +53,10 @@ fn run(options: &Options) -> Result<(), Failure> {
 
     let skeleton = &growth.skeleton;
     let mut mesh = None;
-    step("mesh", &mut || Ok(mesh = Some(Tubes::default().mesh(skeleton)?)))?;
+    step("mesh", &mut || {
+        mesh = Some(Tubes::default().mesh(&relax(skeleton, 0.5, 3)?)?);
+        Ok(())
+    })?;
     let mesh = mesh.ok_or("no mesh")?;
     let file = |extension: &str| options.out.join(format!("{}.{extension}", preset.name));
     step("glb", &mut || {

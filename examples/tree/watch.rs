@@ -17,7 +17,9 @@ pub(crate) struct Watch {
 impl Watch {
     pub(crate) fn new() -> Self {
         let bar = ProgressBar::new(1000);
-        if let Ok(style) = ProgressStyle::with_template("{msg:>14} [{bar:40}] {percent:>3}% {elapsed_precise}") {
+        if let Ok(style) =
+            ProgressStyle::with_template("{msg:>14} [{bar:40}] {percent:>3}% {elapsed_precise}")
+        {
             bar.set_style(style.progress_chars("=> "));
         }
         Self { bar, state: Mutex::new((Instant::now(), Vec::new())) }

@@ -5,7 +5,8 @@
 
 use super::ExportError;
 use crate::ParameterError;
-use crate::surface::{Bounds, Mesh};
+use crate::shape::Bounds;
+use crate::surface::Mesh;
 use std::fmt::Write as _;
 use std::io::{self, Write};
 
@@ -189,7 +190,7 @@ fn json(options: &GlbOptions, bounds: Bounds, layout: &Layout) -> String {
             view.component, view.count, view.kind
         );
         if i == 0 {
-            let _ = write!(accessors, r#","min":{},"max":{}"#, vector(bounds.low), vector(bounds.high));
+            let _ = write!(accessors, r#","min":{},"max":{}"#, vector(bounds.min), vector(bounds.max));
         }
         accessors.push('}');
         if let Some(attribute) = view.attribute {
@@ -309,7 +310,7 @@ mod tests {
         let position = &json["accessors"][0];
         let bounds = mesh.bounds().expect("vertices");
         for axis in 0..3 {
-            for (key, bound) in [("min", bounds.low), ("max", bounds.high)] {
+            for (key, bound) in [("min", bounds.min), ("max", bounds.max)] {
                 let value = position[key][axis].as_f64().expect("a number");
                 assert_eq!(value.to_bits(), f64::from(bound[axis]).to_bits());
             }

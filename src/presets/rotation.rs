@@ -62,9 +62,9 @@ fn shrub(nodes: usize, first: Bend) -> TreeSynth {
 
 /// Figure 6: one trunk, a round crown, five iterations; only the second's rule differs.
 fn round_tree(nodes: usize, second: Bend) -> TreeSynth {
-    let crown = Ellipsoid::new(Vec3::Y * 5.8, Vec3::new(3.4, 3.6, 3.4));
-    tree(12.0, 11.5, nodes, 0.4)
-        .stage(trunk(8.6))
+    let crown = Ellipsoid::new(Vec3::Y * 6.8, Vec3::new(3.2, 3.0, 3.2));
+    tree(12.0, 12.5, nodes, 0.36)
+        .stage(trunk(8.4))
         .stage(limbs(second, crown, 90))
         .stage(twigs(2, 500))
         .stage(twigs(2, 2000))

@@ -54,7 +54,7 @@ fn crown(nodes: usize, aspect: f32, theta: f32) -> TreeSynth {
     let width = height / aspect;
     let base = 2.0;
     let dome = HalfEllipsoid::with_aspect(Vec3::Y * base, height, aspect);
-    tree(width + 4.0, base + height + 1.8, nodes, 0.4)
+    tree(width + 4.0, base + height + 2.0 + 1.2 / aspect, nodes, 0.4)
         .stage(limbs(Bend::from_axis(degrees(theta)), dome, 60))
         .stage(twigs(3, 400))
         .stage(twigs(2, 1800))
@@ -62,7 +62,7 @@ fn crown(nodes: usize, aspect: f32, theta: f32) -> TreeSynth {
 }
 
 fn clusters(nodes: usize) -> TreeSynth {
-    let dome = HalfEllipsoid::new(Vec3::Y * 4.5, Vec3::new(3.6, 4.4, 3.6));
+    let dome = HalfEllipsoid::new(Vec3::Y * 5.6, Vec3::new(3.6, 4.0, 3.6));
     tree(12.0, 11.5, nodes, 0.45)
         .stage(limbs(Bend::piecewise(degrees(6.0), degrees(-4.0), 12), dome, 9))
         .stage(Stage::new(fork(), HopSurface::new(4, Count::UpTo(60)).with_outermost(0.4)))
@@ -71,9 +71,9 @@ fn clusters(nodes: usize) -> TreeSynth {
 }
 
 fn two_habits(nodes: usize) -> TreeSynth {
-    let oval = Ellipsoid::new(Vec3::Y * 5.6, Vec3::new(3.4, 4.0, 3.4));
+    let oval = Ellipsoid::new(Vec3::Y * 6.4, Vec3::new(3.2, 3.5, 3.2));
     let rule =
-        ByHeight::new(5.6, Bend::constant(degrees(8.0)), Bend::piecewise(degrees(30.0), degrees(-10.0), 3));
+        ByHeight::new(5.8, Bend::constant(degrees(8.0)), Bend::piecewise(degrees(30.0), degrees(-10.0), 3));
     tree(12.0, 12.0, nodes, 0.4)
         .stage(trunk(8.8))
         .stage(Stage::new(rule, InShape::poisson_disc(oval, Count::UpTo(100))))
@@ -110,16 +110,16 @@ fn steepening_cone(nodes: usize) -> TreeSynth {
     let rule = steepening(Bend::constant(degrees(1.0)), 9.0);
     tree(10.0, 11.5, nodes, 0.35)
         .stage(trunk(9.8))
-        .stage(Stage::new(rule, InShape::poisson_disc(Cone::new(Vec3::Y * 1.6, 3.2, 8.6), Count::UpTo(130))))
+        .stage(Stage::new(rule, InShape::poisson_disc(Cone::new(Vec3::Y * 2.2, 3.0, 8.2), Count::UpTo(130))))
         .stage(twigs(2, 600))
         .stage(twigs(1, 2200))
         .stage(twigs(1, 3500))
 }
 
 fn steepening_oval(nodes: usize) -> TreeSynth {
-    let oval = Ellipsoid::new(Vec3::Y * 6.0, Vec3::new(2.6, 4.2, 2.6));
+    let oval = Ellipsoid::new(Vec3::Y * 6.9, Vec3::new(2.5, 3.4, 2.5));
     let rule = steepening(Bend::constant(degrees(-3.0)), 9.0);
-    tree(10.0, 12.0, nodes, 0.35)
+    tree(10.0, 12.5, nodes, 0.35)
         .stage(trunk(8.0))
         .stage(Stage::new(rule, InShape::poisson_disc(oval, Count::UpTo(90))))
         .stage(twigs(2, 500))
@@ -128,7 +128,7 @@ fn steepening_oval(nodes: usize) -> TreeSynth {
 }
 
 fn upright_shrub(nodes: usize) -> TreeSynth {
-    let oval = HalfEllipsoid::new(Vec3::Y * 1.5, Vec3::new(2.8, 6.4, 2.8));
+    let oval = HalfEllipsoid::new(Vec3::Y * 2.4, Vec3::new(2.7, 5.6, 2.7));
     tree(10.0, 10.0, nodes, 0.35)
         .stage(limbs(Bend::piecewise(degrees(8.0), degrees(-3.0), 5), oval, 120))
         .stage(twigs(2, 600))
@@ -160,7 +160,7 @@ fn birch(nodes: usize) -> TreeSynth {
 }
 
 fn zelkova(nodes: usize) -> TreeSynth {
-    let vase = HalfEllipsoid::new(Vec3::Y * 3.6, Vec3::new(4.2, 5.6, 4.2));
+    let vase = HalfEllipsoid::new(Vec3::Y * 5.0, Vec3::new(4.2, 4.6, 4.2));
     tree(12.0, 11.0, nodes, 0.5)
         .stage(limbs(Bend::piecewise(degrees(4.0), degrees(-1.0), 12), vase, 90))
         .stage(twigs(3, 900))

@@ -7,23 +7,23 @@ use glam::Vec3;
 
 pub(super) const PRESETS: &[Preset] = &[
     Preset::new("figure-09-cone", 9, "First endpoints in a cone.", |nodes| {
-        bounded(nodes, Cone::new(Vec3::Y * 2.2, 3.6, 7.6))
+        bounded(nodes, Cone::new(Vec3::Y * 3.2, 3.4, 7.0))
     }),
     Preset::new("figure-09-box", 9, "The same parameters, first endpoints in a box.", |nodes| {
-        bounded(nodes, Cuboid::centered(Vec3::Y * 5.8, Vec3::new(5.6, 6.0, 5.6)))
+        bounded(nodes, Cuboid::centered(Vec3::Y * 6.6, Vec3::new(5.4, 5.4, 5.4)))
     }),
     Preset::new(
         "figure-09-half-ellipsoid",
         9,
         "The same parameters, first endpoints in a half-ellipsoid.",
-        |nodes| bounded(nodes, HalfEllipsoid::new(Vec3::Y * 4.6, Vec3::new(4.4, 4.4, 4.4))),
+        |nodes| bounded(nodes, HalfEllipsoid::new(Vec3::Y * 5.2, Vec3::new(4.2, 4.2, 4.2))),
     ),
     Preset::new("figure-10-tall", 10, "A trunk, then a crown in a tall ellipsoid.", |nodes| {
-        crowned(nodes, Ellipsoid::new(Vec3::Y * 5.9, Vec3::new(2.2, 4.0, 2.2)), 9.2)
+        crowned(nodes, Ellipsoid::new(Vec3::Y * 6.4, Vec3::new(2.1, 3.8, 2.1)), 9.2)
     })
     .partial(2),
     Preset::new("figure-10-wide", 10, "A trunk, then a crown in a wide ellipsoid.", |nodes| {
-        crowned(nodes, Ellipsoid::new(Vec3::Y * 6.4, Vec3::new(4.6, 2.5, 4.6)), 7.6)
+        crowned(nodes, Ellipsoid::new(Vec3::Y * 7.4, Vec3::new(4.2, 1.8, 4.2)), 8.0)
     })
     .partial(2),
     Preset::new("figure-12-t03", 12, "t = 0.3: twigs only in the outer regions.", |nodes| {
@@ -48,19 +48,19 @@ fn bounded(nodes: usize, volume: impl Shape + 'static) -> TreeSynth {
 }
 
 fn crowned(nodes: usize, crown: Ellipsoid, height: f32) -> TreeSynth {
-    tree(12.5, 12.0, nodes, 0.4)
+    tree(12.5, 12.5, nodes, 0.36)
         .stage(trunk(height))
-        .stage(limbs(Bend::piecewise(degrees(45.0), degrees(-2.0), 1), crown, 90))
+        .stage(limbs(Bend::piecewise(degrees(60.0), degrees(-1.0), 1), crown, 90))
         .stage(twigs(2, 500))
         .stage(twigs(2, 2000))
         .stage(twigs(1, 3500))
 }
 
 fn excluded(nodes: usize, outermost: f32) -> TreeSynth {
-    let crown = Ellipsoid::new(Vec3::Y * 6.0, Vec3::new(3.6, 3.4, 3.6));
-    tree(12.5, 11.5, nodes, 0.4)
+    let crown = Ellipsoid::new(Vec3::Y * 6.8, Vec3::new(3.3, 2.9, 3.3));
+    tree(12.5, 12.5, nodes, 0.4)
         .stage(trunk(8.2))
-        .stage(limbs(Bend::piecewise(degrees(45.0), 0.0, 1), crown, 60))
+        .stage(limbs(Bend::piecewise(degrees(60.0), 0.0, 1), crown, 60))
         .stage(outer_twigs(3, 500, outermost))
         .stage(outer_twigs(2, 2000, outermost))
         .stage(outer_twigs(1, 3000, outermost))
@@ -70,7 +70,7 @@ fn hanging(nodes: usize) -> TreeSynth {
     let crown = HalfEllipsoid::new(Vec3::Y * 5.5, Vec3::new(3.8, 4.2, 3.8));
     let lower = |hops, count| {
         let endpoints = HopSurface::new(hops, Count::UpTo(count)).with_outermost(0.8).only(Side::Lower);
-        Stage::new(Bend::piecewise(degrees(30.0), degrees(12.0), 1), endpoints)
+        Stage::new(Bend::piecewise(degrees(120.0), degrees(6.0), 1), endpoints)
     };
     tree(13.0, 11.5, nodes, 0.4)
         .stage(trunk(7.0))
@@ -81,9 +81,10 @@ fn hanging(nodes: usize) -> TreeSynth {
 }
 
 fn dense(nodes: usize, [first, second, third]: [usize; 3]) -> TreeSynth {
-    let crown = HalfEllipsoid::new(Vec3::Y * 3.2, Vec3::new(4.4, 6.4, 4.4));
-    tree(13.0, 11.5, nodes, 0.4)
-        .stage(limbs(Bend::piecewise(degrees(6.0), degrees(-4.0), 14), crown, first))
+    let crown = HalfEllipsoid::new(Vec3::Y * 4.8, Vec3::new(3.4, 4.8, 3.4));
+    tree(12.0, 12.0, nodes, 0.36)
+        .stage(trunk(8.4))
+        .stage(limbs(Bend::piecewise(degrees(60.0), degrees(-1.0), 1), crown, first))
         .stage(Stage::new(fork(), HopSurface::new(3, Count::UpTo(second))))
         .stage(twigs(2, third))
 }

@@ -5,7 +5,7 @@
 //! few directions sweeps down through the grid.
 
 use crate::math;
-use crate::surface::Bounds;
+use crate::shape::Bounds;
 use glam::Vec3;
 use std::f32::consts::TAU;
 
@@ -27,7 +27,7 @@ impl Ambient {
     pub(super) fn new(bounds: Bounds) -> Self {
         let cell = (bounds.size().max_element() / CELLS).max(1e-6);
         let border = Vec3::new(6.0, 1.0, 6.0);
-        let low = bounds.low - border * cell;
+        let low = bounds.min - border * cell;
         let size =
             ((bounds.size() / cell).ceil() + 2.0 * border + 1.0).to_array().map(|cells| cells as usize);
         Self { low, cell, size, cells: vec![0.0; size[0] * size[1] * size[2]] }
@@ -135,7 +135,7 @@ mod tests {
 
     #[test]
     fn under_a_roof_it_is_darker() {
-        let bounds = Bounds { low: Vec3::new(-2.0, 0.0, -2.0), high: Vec3::new(2.0, 3.0, 2.0) };
+        let bounds = Bounds { min: Vec3::new(-2.0, 0.0, -2.0), max: Vec3::new(2.0, 3.0, 2.0) };
         let mut ambient = Ambient::new(bounds);
         for i in 0..1600 {
             let corner = Vec3::new((i % 40) as f32 * 0.1 - 2.0, 2.5, (i / 40) as f32 * 0.1 - 2.0);

@@ -3,7 +3,7 @@
 use super::PreviewError;
 use crate::ParameterError;
 use crate::math;
-use crate::surface::Bounds;
+use crate::shape::Bounds;
 use glam::Vec3;
 use std::f32::consts::{FRAC_PI_2, PI};
 
@@ -96,7 +96,7 @@ impl Camera {
             let holds = (0.01..=2.5).contains(&field_of_view);
             ParameterError::unless(holds, "Camera.field_of_view", field_of_view, "0.01 to 2.5 rad")?;
         }
-        if let Some(Bounds { low, high }) = self.frame {
+        if let Some(Bounds { min: low, max: high }) = self.frame {
             let reach = low.abs().max(high.abs()).max_element();
             let holds =
                 low.is_finite() && high.is_finite() && low.cmple(high).all() && reach <= super::FARTHEST;
@@ -270,7 +270,7 @@ mod tests {
     use super::*;
     use proptest::prelude::*;
 
-    const BOX: Bounds = Bounds { low: Vec3::new(-2.0, 0.0, -1.0), high: Vec3::new(3.0, 7.0, 2.0) };
+    const BOX: Bounds = Bounds { min: Vec3::new(-2.0, 0.0, -1.0), max: Vec3::new(3.0, 7.0, 2.0) };
 
     fn corners_fit(camera: &Camera, width: f32, height: f32) {
         let view = camera.view(BOX.corners().into_iter(), width, height);

@@ -2,7 +2,7 @@
 
 use super::ambient::Ambient;
 use super::shadow::ShadowMap;
-use crate::surface::Bounds;
+use crate::shape::Bounds;
 use glam::Vec3;
 
 /// Light of the sun on a surface that faces it, linear red, green, blue.

@@ -18,7 +18,8 @@ pub use camera::{Camera, Projection};
 pub use picture::Picture;
 
 use crate::ParameterError;
-use crate::surface::{Bounds, Mesh, MeshError};
+use crate::shape::Bounds;
+use crate::surface::{Mesh, MeshError};
 use frame::Frame;
 use glam::Vec3;
 use light::Light;
@@ -40,7 +41,7 @@ pub enum PreviewError {
     #[error("the mesh is not sound: {0}")]
     Mesh(#[from] MeshError),
     /// A vertex so far out that its place in the picture cannot be computed in 32-bit floats.
-    #[error("the meshes reach from {} to {}, beyond a million kilometres", bounds.low, bounds.high)]
+    #[error("the meshes reach from {} to {}, beyond a million kilometres", bounds.min, bounds.max)]
     TooFar {
         /// The box around all meshes.
         bounds: Bounds,
@@ -209,8 +210,11 @@ impl Preview {
             return Err(PreviewError::EmptyMesh);
         }
         let points = || parts.iter().flat_map(|part| part.mesh.positions.iter().copied());
-        let bounds = Bounds::of(points()).ok_or(PreviewError::EmptyMesh)?;
-        if bounds.low.abs().max(bounds.high.abs()).max_element() > FARTHEST {
+        let bounds = Bounds::of(points());
+        if bounds.is_empty() {
+            return Err(PreviewError::EmptyMesh);
+        }
+        if bounds.min.abs().max(bounds.max.abs()).max_element() > FARTHEST {
             return Err(PreviewError::TooFar { bounds });
         }
 
@@ -225,7 +229,7 @@ impl Preview {
         }
         light.finish();
         let ground = self.shows_ground.then(|| {
-            let height = self.ground_height.unwrap_or(bounds.low.y);
+            let height = self.ground_height.unwrap_or(bounds.min.y);
             let size = bounds.size();
             (bounds.center().with_y(height), (0.75 * size.x.max(size.z) + 0.5 * size.y).max(1e-6))
         });

@@ -6,7 +6,7 @@
 
 use super::raster;
 use crate::math;
-use crate::surface::Bounds;
+use crate::shape::Bounds;
 use glam::{Vec2, Vec3};
 
 /// Side of the depth map, texels.
@@ -43,7 +43,6 @@ impl ShadowMap {
     pub(super) fn new(sun: Vec3, bounds: Bounds) -> Self {
         let (right, up) = sun.any_orthonormal_pair();
         let seen = Bounds::of(bounds.corners().map(|p| Vec3::new(p.dot(right), p.dot(up), p.dot(sun))));
-        let seen = seen.unwrap_or(bounds);
         let extent = seen.size().truncate().max_element().max(1e-6);
         // Two texels of border, so that no filter reads beyond.
         let scale = (SIDE as f32 - 8.0) / extent;
@@ -52,7 +51,7 @@ impl ShadowMap {
             right,
             up,
             sun,
-            corner: Vec3::new(seen.low.x - border, seen.low.y - border, seen.high.z),
+            corner: Vec3::new(seen.min.x - border, seen.min.y - border, seen.max.z),
             scale,
             depth: vec![f32::NEG_INFINITY; SIDE * SIDE],
             thin: vec![0.0; THIN_SIDE * THIN_SIDE * (SLICES + 1)],
@@ -206,7 +205,7 @@ fn blur(from: &[f32], to: &mut [f32]) {
 mod tests {
     use super::*;
 
-    const BOX: Bounds = Bounds { low: Vec3::new(-2.0, 0.0, -2.0), high: Vec3::new(2.0, 4.0, 2.0) };
+    const BOX: Bounds = Bounds { min: Vec3::new(-2.0, 0.0, -2.0), max: Vec3::new(2.0, 4.0, 2.0) };
 
     fn map_with(half_width: f32) -> ShadowMap {
         let mut map = ShadowMap::new(Vec3::Y, BOX);

@@ -43,6 +43,14 @@ impl Bounds {
             .fold(Self::EMPTY, |bounds, point| Self::new(bounds.min.min(point), bounds.max.max(point)))
     }
 
+    /// The eight corners, those of `min.z` first.
+    pub fn corners(self) -> [Vec3; 8] {
+        std::array::from_fn(|i| {
+            let side = |axis: usize| if i >> axis & 1 == 0 { self.min[axis] } else { self.max[axis] };
+            Vec3::new(side(0), side(1), side(2))
+        })
+    }
+
     /// Whether no point lies in the box: `min` above `max` on some axis, or NaN.
     pub fn is_empty(self) -> bool {
         !self.min.cmple(self.max).all()

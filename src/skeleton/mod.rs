@@ -136,6 +136,17 @@ impl Skeleton {
         Ok(skeleton)
     }
 
+    /// Moves the nodes (metres); the branching and all numbers stay.
+    ///
+    /// # Errors
+    /// When there is not one position a node, or one is not finite.
+    pub fn with_positions(mut self, positions: Vec<Vec3>) -> Result<Self, SkeletonError> {
+        same_length("positions", positions.len(), self.len())?;
+        self.positions = positions;
+        self.check()?;
+        Ok(self)
+    }
+
     /// Sets the radius (metres) of every node's internode, the way from its parent to it.
     ///
     /// # Errors

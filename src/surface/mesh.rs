@@ -1,5 +1,6 @@
 //! Triangles as plain arrays.
 
+use crate::shape::Bounds;
 use glam::{Vec2, Vec3};
 
 /// A triangle mesh in metres: vertices with a normal each, and three indices a triangle, counter-clockwise seen
@@ -29,15 +30,6 @@ pub struct Mesh {
     pub uvs: Vec<Vec2>,
     /// Three vertices a triangle, counter-clockwise seen from outside.
     pub indices: Vec<u32>,
-}
-
-/// The smallest box around something, its faces parallel to the axes.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Bounds {
-    /// The corner of smallest coordinates, metres.
-    pub low: Vec3,
-    /// The corner of largest coordinates, metres.
-    pub high: Vec3,
 }
 
 /// Why some arrays are not a mesh.
@@ -104,40 +96,6 @@ pub enum MeshError {
     },
 }
 
-impl Bounds {
-    /// The box around `points`; `None` if there are none, or one is NaN. O(n).
-    pub fn of(points: impl IntoIterator<Item = Vec3>) -> Option<Self> {
-        let mut points = points.into_iter();
-        let first = points.next()?;
-        let mut bounds = Self { low: first, high: first };
-        let mut sound = !first.is_nan();
-        for point in points {
-            sound &= !point.is_nan();
-            bounds.low = bounds.low.min(point);
-            bounds.high = bounds.high.max(point);
-        }
-        sound.then_some(bounds)
-    }
-
-    /// The middle, metres.
-    pub fn center(&self) -> Vec3 {
-        self.low * 0.5 + self.high * 0.5
-    }
-
-    /// Width, height and depth, metres.
-    pub fn size(&self) -> Vec3 {
-        self.high - self.low
-    }
-
-    /// The eight corners.
-    pub fn corners(&self) -> [Vec3; 8] {
-        std::array::from_fn(|i| {
-            let side = |bit: usize, axis: usize| if i & bit == 0 { self.low[axis] } else { self.high[axis] };
-            Vec3::new(side(1, 0), side(2, 1), side(4, 2))
-        })
-    }
-}
-
 impl Mesh {
     /// A mesh without texture coordinates. Nothing is checked here; see [`check`](Self::check).
     pub fn new(positions: Vec<Vec3>, normals: Vec<Vec3>, indices: Vec<u32>) -> Self {
@@ -157,7 +115,8 @@ impl Mesh {
 
     /// The box around all vertices; `None` if there are none, or one is NaN. O(n).
     pub fn bounds(&self) -> Option<Bounds> {
-        Bounds::of(self.positions.iter().copied())
+        let sound = !self.positions.iter().any(|position| position.is_nan());
+        Some(Bounds::of(self.positions.iter().copied())).filter(|bounds| sound && !bounds.is_empty())
     }
 
     /// The three vertices of each triangle. `.triangles().len()` is their number.
@@ -266,8 +225,8 @@ mod tests {
     #[test]
     fn bounds_are_tight() {
         let bounds = triangle().bounds().expect("there are vertices");
-        assert_eq!((bounds.low, bounds.high), (Vec3::ZERO, Vec3::new(1.0, 1.0, 0.0)));
-        assert_eq!(bounds.corners()[7], bounds.high);
+        assert_eq!((bounds.min, bounds.max), (Vec3::ZERO, Vec3::new(1.0, 1.0, 0.0)));
+        assert_eq!(bounds.corners()[7], bounds.max);
         assert_eq!(bounds.center() * 2.0, bounds.size());
         assert_eq!(Bounds::of([Vec3::ZERO, Vec3::NAN, Vec3::ONE]), None);
         assert_eq!(Mesh::default().bounds(), None);

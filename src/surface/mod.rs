@@ -4,12 +4,14 @@
 //! |---|---|
 //! | [`Tubes`] | a generalized cylinder along each branch: fast, exact radii, branches stuck into what bears them |
 //!
-//! All of them end in a [`Mesh`].
+//! [`relax`] takes the kinks out of a skeleton first. All builders end in a [`Mesh`].
 
 mod mesh;
+mod relax;
 mod tube;
 
-pub use mesh::{Bounds, Mesh, MeshError};
+pub use mesh::{Mesh, MeshError};
+pub use relax::relax;
 pub use tube::Tubes;
 
 use crate::ParameterError;

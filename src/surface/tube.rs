@@ -2,7 +2,7 @@
 
 use super::mesh::has_area;
 use super::{Mesh, SurfaceError};
-use crate::math::{self, parallel_transport, perpendicular};
+use crate::math::{self, UP, parallel_transport, perpendicular};
 use crate::{ParameterError, Skeleton};
 use glam::{Vec2, Vec3};
 use std::f32::consts::TAU;
@@ -25,8 +25,8 @@ const STEEPEST_TAPER: f32 = 1e3;
 /// that bears it and not blended with it, so the surfaces cross there; and where a branch bends more tightly than
 /// it is thick, its own rings may cross.
 ///
-/// A branch's first ring sits at the node it springs from, inside the bearing branch, with the radius of the
-/// branch's own first internode. Internodes shorter than floats can tell (4·2⁻²³ of the coordinates, or 1 nm) are
+/// The trunk's first ring is level, so that a leaning trunk does not gape at the ground. Any other branch's first ring sits at the node it springs from, inside the bearing branch, with the radius
+/// of the branch's own first internode. Internodes shorter than floats can tell (4·2⁻²³ of the coordinates, or 1 nm) are
 /// passed over, and a radius smaller than that makes a single vertex in place of a ring. Where a branch turns
 /// back by more than 120° the tube ends and another begins.
 ///
@@ -114,8 +114,9 @@ impl Tubes {
             return Err(SurfaceError::TooLarge { vertices });
         }
         let mut weaver = Weaver::new(self, vertices);
-        for branch in branches.iter() {
+        for (number, branch) in branches.iter().enumerate() {
             let nodes = branch.nodes();
+            weaver.stands = number == 0;
             weaver.set_sides(sides_of(nodes));
             weaver.start(skeleton.positions()[nodes[0] as usize], first_radius(nodes))?;
             for &node in &nodes[1..] {
@@ -164,6 +165,8 @@ enum Ring {
 struct Weaver {
     mesh: Mesh,
     closed_base: bool,
+    /// Whether this is the trunk, whose foot is level with the ground.
+    stands: bool,
     /// Cosine, sine and u of each vertex of a ring, the first repeated at the end.
     circle: Vec<(f32, f32, f32)>,
     stations: Vec<Station>,
@@ -184,6 +187,7 @@ impl Weaver {
         Self {
             mesh,
             closed_base: options.closed_base,
+            stands: false,
             circle: Vec::new(),
             stations: Vec::new(),
             directions: Vec::new(),
@@ -282,6 +286,10 @@ impl Weaver {
     fn tangent(&self, i: usize) -> Vec3 {
         let last = self.directions.len() - 1;
         let (before, after) = (self.directions[i.saturating_sub(1).min(last)], self.directions[i.min(last)]);
+        // A trunk that leans up to 60° still stands on the ground with its whole foot.
+        if i == 0 && self.stands && after.dot(UP) > 0.5 {
+            return UP;
+        }
         (before + after).normalize_or(before)
     }
 
