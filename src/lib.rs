@@ -1,4 +1,46 @@
-//! Trees.
+//! Grows botanical trees: the branching structure first, then its thickness, surface, files and pictures.
+//!
+//! Engine-free, and deterministic to the bit: the same seed gives the same tree on every platform, at every thread
+//! count and with every feature set.
+#![doc = concat!(
+    "<img alt=\"Six kinds of trees\" src=\"data:image/png;base64,",
+    include_str!("../docs/figures/overview.base64"),
+    "\">"
+)]
+//!
+//! # The way through
+//!
+//! [`shape`] and [`field`] say where a tree may grow and what pulls on it; [`guided`] grows it; a [`Skeleton`] is
+//! what comes out; [`radius`] makes it thick, [`metrics`] measures it, [`surface`] makes triangles of it, [`export`]
+//! writes files, and [`preview`](https://docs.rs/treesynth/latest/treesynth/preview/) draws pictures. [`presets`] has
+//! the trees of the paper's figures, ready made.
+//!
+//! ```
+//! use treesynth::{Metrics, presets, surface::Tubes};
+//!
+//! let elm = presets::by_name("figure-07").expect("a preset");
+//! let tree = elm.synth(10_000).synthesize(42)?;
+//! let mesh = Tubes::default().mesh(&tree)?;
+//! println!("{} triangles, {:.1} m tall", mesh.triangles().len(), Metrics::of(&tree).height);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+//!
+//! Conventions: metres, radians, +Y is up, right-handed, the root at the origin. Options are structs with `with_*`
+//! methods; they are checked where synthesis starts, and what is wrong comes back as an error that names the
+//! parameter, its value and its range. Nothing panics on bad input, and the library never prints.
+//!
+//! # Features
+//!
+//! None is on by default.
+//!
+//! | feature | adds |
+//! |---|---|
+//! | `parallel` | graphs are built on rayon's threads; same bits |
+//! | `serde` | skeletons and metrics with serde |
+//! | `json` | skeletons as JSON text, `export::json`; implies `serde` |
+//! | `mint` | `From` and `Into` between [`glam`]'s vectors and `mint`'s, for users on another glam version |
+//! | `preview` | shaded PNG pictures without a GPU, `preview` |
+//! | `testing` | proptest strategies and contract checks for strategies of your own, `testing` |
 #![cfg_attr(docsrs, feature(doc_cfg))]
 
 pub mod export;
@@ -24,9 +66,16 @@ pub use field::VectorField;
 pub use glam;
 pub use guided::{EndpointPolicy, GraphBuilder, GuidingRule, SynthesisError, TreeSynth, WeightFn};
 pub use metrics::Metrics;
+#[cfg(feature = "mint")]
+pub use mint;
 pub use observer::{Observer, Progress, Silent, Work};
 pub use parameter::ParameterError;
 pub use radius::{RadiusError, RadiusModel};
 pub use rand;
 pub use shape::{Bounds, Shape};
 pub use skeleton::{Skeleton, SkeletonError};
+
+/// The README's code blocks are tests.
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct Readme;

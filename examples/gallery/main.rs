@@ -4,6 +4,7 @@
 
 mod plane;
 
+use base64::Engine;
 use lexopt::prelude::{Long, ValueExt};
 use std::collections::BTreeMap;
 use std::fs::{self, File};
@@ -26,7 +27,7 @@ struct Options {
 
 fn main() -> Result<(), Failure> {
     let mut options =
-        Options { nodes: TYPICAL_NODES, out: "docs/figures".into(), size: 640, only: String::new() };
+        Options { nodes: TYPICAL_NODES, out: "docs/figures".into(), size: 400, only: String::new() };
     let mut arguments = lexopt::Parser::from_env();
     while let Some(argument) = arguments.next()? {
         match argument {
@@ -38,6 +39,9 @@ fn main() -> Result<(), Failure> {
         }
     }
     fs::create_dir_all(&options.out)?;
+    if options.only.is_empty() {
+        overview(&options)?;
+    }
     let mut sheets: BTreeMap<u8, Vec<Picture>> = BTreeMap::new();
     for preset in presets::all().filter(|preset| preset.name.contains(&options.only)) {
         let pictures = draw(preset, &options)?;
@@ -53,6 +57,22 @@ fn main() -> Result<(), Failure> {
         write(&options.out.join(format!("figure-{figure:02}.png")), &sheet)?;
     }
     Ok(())
+}
+
+/// Small pictures of a few presets on one sheet, which the documentation of the crate carries within itself.
+fn overview(options: &Options) -> Result<(), Failure> {
+    let small = Options { size: 140, out: options.out.clone(), only: String::new(), ..*options };
+    let names = ["figure-06a", "figure-07", "figure-13", "figure-16-05", "figure-17d", "figure-17g"];
+    let mut pictures = Vec::new();
+    for preset in names.into_iter().filter_map(presets::by_name) {
+        let synth = preset.synth(options.nodes);
+        let graph = synth.build_graph(preset.seed, &Silent)?;
+        pictures.push(draw_stages(preset, &synth, &graph, synth.stages().len(), &small)?);
+    }
+    let mut png = Vec::new();
+    Picture::sheet(&pictures, 6, 2, [255, 255, 255])?.write_png(&mut png)?;
+    fs::write(options.out.join("overview.base64"), base64::prelude::BASE64_STANDARD.encode(&png))?;
+    Ok(fs::write(options.out.join("overview.png"), png)?)
 }
 
 fn write(path: &Path, picture: &Picture) -> Result<(), Failure> {
@@ -75,7 +95,7 @@ fn draw(preset: &Preset, options: &Options) -> Result<Vec<Picture>, Failure> {
                 preset.name.into()
             };
             let mut picture = draw_stages(preset, &synth, &graph, count, options)?;
-            picture.label(&label, 8, 8, 2, [60, 60, 60]);
+            picture.label(&label, 6, 6, 1, [60, 60, 60]);
             Ok(picture)
         })
         .collect()
@@ -94,5 +114,7 @@ fn draw_stages(
         return plane::draw(&search, &growth.skeleton, options.size);
     }
     let mesh = Tubes::default().mesh(&relax(&growth.skeleton, 0.5, 3)?)?;
-    Ok(Preview::default().with_size(options.size, options.size).draw(&mesh)?)
+    // A plain background keeps the files small.
+    let paper = [0.97, 0.965, 0.955];
+    Ok(Preview::default().with_size(options.size, options.size).with_background(paper, paper).draw(&mesh)?)
 }

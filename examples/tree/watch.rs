@@ -45,7 +45,7 @@ impl Observer for Watch {
         };
         self.bar.set_position(((from + (to - from) * progress.fraction) * 1000.0) as u64);
         self.bar.set_message(name.clone());
-        if progress.fraction == 1.0
+        if progress.fraction >= 1.0
             && let Ok(mut state) = self.state.lock()
         {
             let (since, steps) = &mut *state;

@@ -121,7 +121,7 @@ impl Camera {
         let usable = 1.0 - 2.0 * self.margin;
         let (half_width, half_height) = (0.5 * width * usable, 0.5 * height * usable);
         let middle = (0.5 * width, 0.5 * height);
-        let corners = self.frame.map(|bounds| bounds.corners());
+        let corners = self.frame.map(Bounds::corners);
         let mut fit = Fit::default();
         match self.projection {
             Projection::Perspective { field_of_view } => {

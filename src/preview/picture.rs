@@ -192,6 +192,7 @@ impl Picture {
     /// Whatever the writer returns.
     pub fn write_png(&self, writer: impl Write) -> Result<(), PreviewError> {
         let mut encoder = png::Encoder::new(writer, self.width, self.height);
+        encoder.set_compression(png::Compression::High);
         encoder.set_color(png::ColorType::Rgb);
         encoder.set_depth(png::BitDepth::Eight);
         encoder.set_source_srgb(png::SrgbRenderingIntent::Perceptual);
