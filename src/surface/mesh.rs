@@ -228,7 +228,9 @@ mod tests {
         assert_eq!((bounds.min, bounds.max), (Vec3::ZERO, Vec3::new(1.0, 1.0, 0.0)));
         assert_eq!(bounds.corners()[7], bounds.max);
         assert_eq!(bounds.center() * 2.0, bounds.size());
-        assert_eq!(Bounds::of([Vec3::ZERO, Vec3::NAN, Vec3::ONE]), None);
         assert_eq!(Mesh::default().bounds(), None);
+        let mut broken = triangle();
+        broken.positions[1].x = f32::NAN;
+        assert_eq!(broken.bounds(), None);
     }
 }
