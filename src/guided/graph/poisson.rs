@@ -290,7 +290,9 @@ impl<'a> Plan<'a> {
             let nodes = parallel::map(phase.len(), |i| {
                 let place = at(phase[i]);
                 let root = (place == root_tile).then_some(self.root);
-                Tile::new(self, place).fill(phase[i] as u64, root, self.around(place, &filled))
+                // The root too, so that tiles filled before its own keep away from it.
+                let around = self.around(place, &filled).chain([self.root]);
+                Tile::new(self, place).fill(phase[i] as u64, root, around)
             });
             for (index, nodes) in phase.into_iter().zip(nodes) {
                 filled[index] = nodes;
