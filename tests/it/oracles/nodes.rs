@@ -173,6 +173,7 @@ fn discs_are_apart_where_coordinates_are_large() {
     for (min, max, r) in [
         (Vec3::ZERO, Vec3::new(20_000.0, 2.0, 2.0), 1.0),
         (Vec3::ZERO, Vec3::new(2.0, 2.0, 100_000.0), 1.0),
+        (Vec3::ZERO, Vec3::new(1e6, 1.2, 1.2), 1.01),
         (far, far + 2.0, 0.1),
         (Vec3::new(90_000.0, 0.0, 0.0), Vec3::new(90_010.0, 10.0, 10.0), 0.5),
     ] {
