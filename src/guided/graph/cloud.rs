@@ -214,7 +214,10 @@ impl GraphBuilder for Lattice {
         let counts = bounds.size() / self.spacing;
         let farthest = bounds.min.abs().max(bounds.max.abs()).max_element() / self.spacing;
         ParameterError::unless(
-            self.spacing > 0.0 && (counts + 2.0).element_product() <= 1e8 && farthest <= 1e6,
+            self.spacing > 0.0
+                && self.spacing.is_finite()
+                && (counts + 2.0).element_product() <= 1e8
+                && farthest <= 1e6,
             "Lattice.spacing",
             self.spacing,
             "above 0 m and coarse enough for at most 1e8 nodes in the region's bounds",
