@@ -118,7 +118,9 @@ impl<'a> Near<'a> {
 
     fn index(&self, c: IVec3) -> Option<usize> {
         let inside = c.cmpge(IVec3::ZERO).all() && c.cmplt(self.dims).all();
-        inside.then(|| (c.z as usize * self.dims.y as usize + c.y as usize) * self.dims.x as usize + c.x as usize)
+        inside.then(|| {
+            (c.z as usize * self.dims.y as usize + c.y as usize) * self.dims.x as usize + c.x as usize
+        })
     }
 
     /// Distance from `place` to the nearest point that is not `but`, among those in reach.
@@ -158,7 +160,7 @@ pub(crate) fn hops(graph: &Graph, sources: &[u32]) -> Vec<Option<u32>> {
 
 /// FNV-1a, 64 bits.
 pub(crate) fn fnv1a(bytes: impl IntoIterator<Item = u8>) -> u64 {
-    bytes
-        .into_iter()
-        .fold(0xcbf2_9ce4_8422_2325, |hash, byte| (hash ^ u64::from(byte)).wrapping_mul(0x0000_0100_0000_01b3))
+    bytes.into_iter().fold(0xcbf2_9ce4_8422_2325, |hash, byte| {
+        (hash ^ u64::from(byte)).wrapping_mul(0x0000_0100_0000_01b3)
+    })
 }

@@ -115,7 +115,8 @@ fn assert_yao(graph: &Graph, sectors: Sectors) {
 /// The so many nearest nodes, ties by index.
 fn assert_nearest(graph: &Graph, count: usize, ties: bool) {
     let nodes = graph.nodes() as u32;
-    let squared = |a: u32, b: u32| graph.position(a).as_dvec3().distance_squared(graph.position(b).as_dvec3());
+    let squared =
+        |a: u32, b: u32| graph.position(a).as_dvec3().distance_squared(graph.position(b).as_dvec3());
     for from in 0..nodes {
         let mut others: Vec<u32> = (0..nodes).filter(|&to| to != from).collect();
         others.sort_by(|&a, &b| squared(from, a).total_cmp(&squared(from, b)).then(a.cmp(&b)));

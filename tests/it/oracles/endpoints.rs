@@ -181,9 +181,8 @@ fn poisson_disc_endpoints_are_farther_apart_than_uniform_ones() {
 #[test]
 fn choices_depend_on_the_seed() {
     let graph = cube_graph(2500, 1);
-    let pick = |seed| {
-        choose(&graph, seed, HopSurface::new(2, 12)).chosen.into_iter().collect::<BTreeSet<u32>>()
-    };
+    let pick =
+        |seed| choose(&graph, seed, HopSurface::new(2, 12)).chosen.into_iter().collect::<BTreeSet<u32>>();
     assert_eq!(pick(1), pick(1));
     assert_ne!(pick(1), pick(2));
 }

@@ -8,8 +8,8 @@ use std::collections::BTreeSet;
 use std::sync::Arc;
 use treesynth::glam::Vec3;
 use treesynth::guided::{
-    Bend, Count, Graph, Guided, HopSurface, InShape, Jitter, Length, NearestTo, Search, Side, Stage, TreeSynth,
-    Within,
+    Bend, Count, Graph, Guided, HopSurface, InShape, Jitter, Length, NearestTo, Search, Side, Stage,
+    TreeSynth, Within,
 };
 use treesynth::shape::{Ellipsoid, Sphere};
 use treesynth::{EndpointPolicy, Shape, Silent, WeightFn};
@@ -67,7 +67,13 @@ fn costs(search: &Search<'_>, sources: &[u32], formula: Formula) -> Vec<f32> {
 }
 
 /// Runs one stage and holds its costs against petgraph's. Returns its endpoints.
-fn check_stage(synth: &TreeSynth, search: &mut Search<'_>, stage: usize, seed: u64, formula: Formula) -> Vec<u32> {
+fn check_stage(
+    synth: &TreeSynth,
+    search: &mut Search<'_>,
+    stage: usize,
+    seed: u64,
+    formula: Formula,
+) -> Vec<u32> {
     let sources = search.tree().to_vec();
     let was_on_tree: BTreeSet<u32> = sources.iter().copied().collect();
     let chosen = synth.grow_stage(search, stage, seed, &Silent).expect("endpoints enough");

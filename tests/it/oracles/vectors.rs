@@ -7,8 +7,8 @@ use std::sync::Arc;
 use treesynth::field::{Helix, SphericalMeridians};
 use treesynth::glam::{DVec3, Vec3};
 use treesynth::guided::{
-    Bend, BendAxis, Blend, ByHeight, ByStage, Count, FollowField, Graph, HopSurface, InShape, NearestTo, PoissonYao,
-    Search, SourceElevation, Stage, TreeSynth,
+    Bend, BendAxis, Blend, ByHeight, ByStage, Count, FollowField, Graph, HopSurface, InShape, NearestTo,
+    PoissonYao, Search, SourceElevation, Stage, TreeSynth,
 };
 use treesynth::shape::Ellipsoid;
 use treesynth::{GuidingRule, Silent, VectorField};
@@ -233,6 +233,8 @@ fn sources_turn_by_their_height() {
         let expected = (100.0 - 80.0 * share).to_radians();
         assert!((vector.angle_between(DVec3::Y) - expected).abs() < 1e-3);
         let across = position.with_y(0.0);
-        assert!(across.length() < 0.06 * position.y + 1e-6 || vector.with_y(0.0).angle_between(across) < 1e-3);
+        assert!(
+            across.length() < 0.06 * position.y + 1e-6 || vector.with_y(0.0).angle_between(across) < 1e-3
+        );
     }
 }
