@@ -9,7 +9,7 @@ use treesynth::shape::{Cuboid, HalfEllipsoid};
 use treesynth::{GraphBuilder, Silent, Skeleton, presets};
 
 fn of_positions(positions: &[Vec3]) -> impl Iterator<Item = u8> {
-    positions.iter().flat_map(|p| p.to_array()).flat_map(|x| x.to_bits().to_le_bytes())
+    positions.iter().flat_map(Vec3::to_array).flat_map(|x| x.to_bits().to_le_bytes())
 }
 
 /// Of every bit a graph holds.

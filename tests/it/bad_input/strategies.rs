@@ -95,7 +95,8 @@ fn weights_that_forbid_everything() {
     }
     // Sums beyond f32 are as good as infinite.
     let huge = Flat { weight: 3e38, forbids: false };
-    assert!(matches!(search_error(trunk().with_weight(huge)).0, SearchError::Unreachable { stage: 1, .. }));
+    let far = Stage::new(Bend::none(), NearestTo::new(Vec3::X * 3.0)).with_weight(huge);
+    assert!(matches!(search_error(far).0, SearchError::Unreachable { stage: 1, .. }));
 }
 
 /// Points everything one way; from sources, or from all others.
