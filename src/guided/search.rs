@@ -174,6 +174,19 @@ impl<'g> Search<'g> {
         self.complete = false;
     }
 
+    /// The vectors of the tree's nodes.
+    pub(super) fn source_vectors(&self) -> Vec<Vec3> {
+        self.tree.iter().map(|&node| self.vector[node as usize]).collect()
+    }
+
+    /// Undoes a stage that failed before [`extend`](Self::extend).
+    pub(super) fn restore(&mut self, source_vectors: &[Vec3]) {
+        for (&node, &vector) in self.tree.iter().zip(source_vectors) {
+            self.vector[node as usize] = vector;
+        }
+        self.forget();
+    }
+
     /// Searches from all nodes of the tree; to the end, or until all of `targets` are settled.
     ///
     /// Expects [`forget`](Self::forget) before it. Stopping is exact: weights are not negative, so later nodes cannot change the path to a settled one.
@@ -391,5 +404,7 @@ fn unit_vector(vector: Vec3, stage: usize, node: u32) -> Result<Vec3, SearchErro
     if (length - 1.0).abs() < 1e-6 {
         return Ok(vector);
     }
-    vector.try_normalize().ok_or(SearchError::Vector { stage, node, vector })
+    // The largest part first, so that no square over- or underflows.
+    let scaled = vector / vector.abs().max_element();
+    scaled.try_normalize().ok_or(SearchError::Vector { stage, node, vector })
 }

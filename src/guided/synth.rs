@@ -273,7 +273,8 @@ impl TreeSynth {
     }
 
     /// One stage alone: searches from the tree in `search`, adds the paths to the endpoints and returns those.
-    /// Costs and vectors of the stage can be read from `search` until the next one begins.
+    /// Costs and vectors of the stage can be read from `search` until the next one begins. After an error the tree
+    /// in `search` is what it was.
     ///
     /// # Errors
     /// As `synthesize`, [`SynthesisError::Cancelled`], and a parameter error when there is no such stage.
@@ -289,22 +290,30 @@ impl TreeSynth {
             ParameterError::new("stage", stage, format!("below the number of stages, {stages}"))
         })?;
         search.forget();
+        let before = search.source_vectors();
         let terms = Terms { rule, weight, stage, stages, seed, observer };
         let select = |search: &Search<'_>| {
             endpoints
                 .select(&StageView { search, stage, seed })
                 .map_err(|error| SynthesisError::Endpoints { stage, error })
         };
-        let chosen = if endpoints.needs_search() || weight.forbids() {
-            search.run(&terms, None)?;
-            select(search)?
-        } else {
-            let chosen = select(search)?;
-            search.run(&terms, Some(&chosen))?;
-            chosen
+        let mut attempt = || -> Result<Vec<u32>, SynthesisError> {
+            let chosen = if endpoints.needs_search() || weight.forbids() {
+                search.run(&terms, None)?;
+                select(search)?
+            } else {
+                let chosen = select(search)?;
+                search.run(&terms, Some(&chosen))?;
+                chosen
+            };
+            search.extend(&chosen, stage)?;
+            Ok(chosen)
         };
-        search.extend(&chosen, stage)?;
-        Ok(chosen)
+        let result = attempt();
+        if result.is_err() {
+            search.restore(&before);
+        }
+        result
     }
 }
 

@@ -69,14 +69,14 @@ fn excluded(nodes: usize, outermost: f32) -> TreeSynth {
 fn hanging(nodes: usize) -> TreeSynth {
     let crown = HalfEllipsoid::new(Vec3::Y * 5.5, Vec3::new(3.8, 4.2, 3.8));
     let lower = |hops, count| {
-        let endpoints = HopSurface::new(hops, Count::UpTo(count)).with_outermost(0.8).only(Side::Lower);
+        let endpoints = HopSurface::new(hops, Count::UpTo(count)).with_outermost(0.9).only(Side::Lower);
         Stage::new(Bend::piecewise(degrees(120.0), degrees(6.0), 1), endpoints)
     };
     tree(13.0, 11.5, nodes, 0.4)
         .stage(trunk(7.0))
         .stage(limbs(Bend::piecewise(degrees(30.0), degrees(6.0), 1), crown, 60))
-        .stage(lower(5, 350))
-        .stage(lower(5, 900))
+        .stage(lower(4, 350))
+        .stage(lower(4, 900))
         .stage(lower(3, 2500))
 }
 

@@ -1,5 +1,15 @@
-//! What must hold of every strategy and every tree.
+//! What the crate promises, checked through its public interface alone.
+#![allow(clippy::float_cmp, reason = "the same bits are often the point")]
+#![allow(clippy::disallowed_methods, reason = "oracles take the platform's functions, in double precision")]
 
+#[cfg(feature = "json")]
+mod bad_input;
+#[cfg(feature = "testing")]
 mod invariants;
 mod layers;
+#[cfg(feature = "mint")]
 mod mint_vectors;
+mod oracles;
+mod outside;
+mod sample;
+mod stability;

@@ -38,6 +38,13 @@ impl Edges {
         }
     }
 
+    /// Edges are numbered in 32 bits.
+    fn check_count(self, nodes: usize) -> Result<(), GraphError> {
+        let (Self::Yao(count) | Self::PlanarYao(count) | Self::Nearest(count)) = self;
+        let count = nodes.saturating_mul(count);
+        if count > u32::MAX as usize { Err(GraphError::TooLarge { count }) } else { Ok(()) }
+    }
+
     /// `positions` must be finite.
     fn link(self, positions: Vec<Vec3>, root: u32, observer: &dyn Observer) -> Result<Graph, GraphError> {
         let Adjacency { starts, targets } = match self {
@@ -59,11 +66,14 @@ fn nearest(positions: &[Vec3], count: usize, observer: &dyn Observer) -> Result<
     report(observer, Work::Edges, 0.0)?;
     let points: Vec<[f32; 3]> = positions.iter().map(Vec3::to_array).collect();
     let tree = ImmutableKdTree::new_from_slice(&points);
-    // One more for the node itself, and a few so that ties at the border can be told by number.
-    let wanted = NonZeroUsize::new(count + 4).unwrap_or(NonZeroUsize::MIN);
+    // One more for the node itself.
+    let wanted = NonZeroUsize::new(count + 1).unwrap_or(NonZeroUsize::MIN);
     let lists = parallel::map(points.len(), |node| {
+        let farthest =
+            tree.nearest_n::<SquaredEuclidean>(&points[node], wanted).last().map_or(0.0, |n| n.distance);
+        // All that are as near as the last: how many tie with it cannot be known before.
         let mut found: Vec<(f32, u32)> = tree
-            .nearest_n::<SquaredEuclidean>(&points[node], wanted)
+            .within_unsorted::<SquaredEuclidean>(&points[node], farthest * 1.000_001 + f32::MIN_POSITIVE)
             .into_iter()
             .map(|neighbour| (neighbour.distance, neighbour.item as u32))
             .filter(|&(_, other)| other as usize != node)
@@ -118,6 +128,7 @@ impl GraphBuilder for PointCloud {
     fn build(&self, _seed: u64, observer: &dyn Observer) -> Result<Graph, GraphError> {
         self.check()?;
         check_nodes(&self.points, 0)?;
+        self.edges.check_count(self.points.len())?;
         let distance = |&(_, point): &(u32, &Vec3)| point.distance_squared(self.root);
         let root = (0..).zip(&self.points).min_by(|a, b| distance(a).total_cmp(&distance(b)));
         self.edges.link(self.points.clone(), root.map_or(0, |(node, _)| node), observer)
@@ -197,6 +208,7 @@ impl GraphBuilder for Lattice {
         let distance = |&(_, p): &(usize, &Vec3)| p.length_squared();
         let root = positions.iter().enumerate().min_by(|a, b| distance(a).total_cmp(&distance(b)));
         let root = root.map(|(node, _)| node).ok_or(GraphError::Empty)?;
+        self.edges.check_count(positions.len())?;
         positions[root] = Vec3::ZERO;
         self.edges.link(positions, root as u32, observer)
     }
@@ -214,7 +226,10 @@ impl GraphBuilder for Lattice {
         let counts = bounds.size() / self.spacing;
         let farthest = bounds.min.abs().max(bounds.max.abs()).max_element() / self.spacing;
         ParameterError::unless(
-            self.spacing > 0.0 && (counts + 2.0).element_product() <= 1e8 && farthest <= 1e6,
+            self.spacing > 0.0
+                && self.spacing.is_finite()
+                && (counts + 2.0).element_product() <= 1e8
+                && farthest <= 1e6,
             "Lattice.spacing",
             self.spacing,
             "above 0 m and coarse enough for at most 1e8 nodes in the region's bounds",

@@ -65,6 +65,8 @@ const TRIES: u32 = 10;
 /// Nodes and tiles are kept well within 32-bit indices and a machine's memory.
 const MAX_NODES: f32 = 2e8;
 const MAX_TILES: f32 = 4e6;
+/// Edges are numbered in 32 bits.
+const MAX_EDGES: f32 = 4e9;
 
 impl PoissonYao {
     /// 150,000 nodes (section 4: "a typical result was created in a graph of 150,000 nodes") in `region`,
@@ -137,17 +139,24 @@ impl PoissonYao {
                     nodes,
                     "in [2, 200000000]",
                 )?;
-                let (measure, dimensions) =
-                    if self.planar { (self.area(), 2) } else { (self.region.volume(), 3) };
+                let measure = if self.planar { self.area() } else { self.region.volume() };
                 ParameterError::unless(
                     measure > 0.0 && measure.is_finite(),
                     "PoissonYao.region",
                     measure,
                     "a shape whose volume (in 2D: area at z = 0) is above 0 and finite",
                 )?;
-                spacing_for(nodes as f32, measure, dimensions)
+                self.spacing_for(nodes as f32, measure)
             }
         };
+        let measure = if self.planar { self.area() } else { self.region.volume() };
+        let nodes = self.nodes_at(r, measure);
+        ParameterError::unless(
+            nodes <= MAX_NODES,
+            "PoissonYao.spacing",
+            r,
+            "coarse enough for at most 200000000 nodes in the region",
+        )?;
         let cells = size / r;
         let box_nodes = if self.planar { cells.x * cells.y } else { cells.element_product() };
         let tiles = box_nodes / if self.planar { 512.0 } else { 780.0 };
@@ -157,9 +166,25 @@ impl PoissonYao {
                 && r > bounds.min.abs().max(bounds.max.abs()).max_element() * 1e-6,
             "PoissonYao.spacing",
             r,
-            "coarser: at most 3e9 nodes in the region's bounds, and above a millionth of their coordinates",
+            "coarser: at most 3e9 discs in the region's bounds, and above a millionth of their coordinates",
         )?;
         Ok(r)
+    }
+
+    /// Nodes at a spacing, by `density (s + FACE)^d`, with s the side, in spacings, of a cube of the region's measure.
+    fn nodes_at(&self, spacing: f32, measure: f32) -> f32 {
+        let side = self.root_of(measure) / spacing + FACE;
+        if self.planar { DENSITY[1] * side * side } else { DENSITY[0] * side * side * side }
+    }
+
+    /// The other way around.
+    fn spacing_for(&self, nodes: f32, measure: f32) -> f32 {
+        let side = self.root_of(nodes / DENSITY[usize::from(self.planar)]) - FACE;
+        self.root_of(measure) / side.max(0.5)
+    }
+
+    fn root_of(&self, x: f32) -> f32 {
+        if self.planar { x.sqrt() } else { crate::math::cbrt(x) }
     }
 
     /// Area of the region's cut with z = 0, by a lattice of 512 x 512.
@@ -174,13 +199,6 @@ impl PoissonYao {
             .count();
         inside as f32 * step.x * step.y
     }
-}
-
-/// Solves `nodes = density (s + FACE)^d` for the side s, in spacings, of a cube of the region's measure.
-fn spacing_for(nodes: f32, measure: f32, dimensions: i32) -> f32 {
-    let root = |x: f32| if dimensions == 2 { x.sqrt() } else { crate::math::cbrt(x) };
-    let side = root(nodes / DENSITY[usize::from(dimensions == 2)]) - FACE;
-    root(measure) / side.max(0.5)
 }
 
 impl GraphBuilder for PoissonYao {
@@ -206,7 +224,15 @@ impl GraphBuilder for PoissonYao {
             self.root,
             "in the plane z = 0 of a planar graph",
         )?;
-        self.spacing().map(|_| ())
+        let spacing = self.spacing()?;
+        let measure = if self.planar { self.area() } else { self.region.volume() };
+        let edges = self.nodes_at(spacing, measure) * self.sectors as f32;
+        ParameterError::unless(
+            edges < MAX_EDGES,
+            "PoissonYao.sectors",
+            self.sectors,
+            "few enough for at most 4000000000 edges",
+        )
     }
 }
 
@@ -446,6 +472,7 @@ impl<'a> Tile<'a> {
     fn sweep(&mut self, random: &mut impl Rng) {
         let blocks = (self.plan.tile + 1) / 2;
         let span = self.plan.cell * 2.0;
+        let bounds = self.plan.region.bounds();
         let (flat, depth) = if self.plan.planar { (Vec3::new(1.0, 1.0, 0.0), 1) } else { (Vec3::ONE, 2) };
         for block in 0..blocks.element_product() {
             let place =
@@ -459,6 +486,10 @@ impl<'a> Tile<'a> {
                 continue;
             }
             let corner = self.plan.origin + first.as_vec3() * self.plan.cell;
+            // Tiles stick out of the region's bounds.
+            if corner.cmpgt(bounds.max).any() {
+                continue;
+            }
             let corner = if self.plan.planar { corner.with_z(0.0) } else { corner };
             for attempt in 0..3 {
                 let within = if attempt < 2 {

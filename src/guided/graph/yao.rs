@@ -64,25 +64,46 @@ struct Search<'a> {
     cells: Option<Cells>,
 }
 
-/// The nearest node of each sector so far.
+/// The nearest node of each sector so far: squared distance and number in one key. The bits of floats that are not
+/// negative are in the floats' order, so the smaller key is the nearer node, and the lower number in a tie.
 struct Nearest {
-    distance: [f32; 64],
-    node: [u32; 64],
+    keys: [u64; 64],
     count: usize,
 }
+
+const NONE: u64 = (f32::INFINITY.to_bits() as u64) << 32 | u32::MAX as u64;
 
 impl Nearest {
     #[inline]
     fn offer(&mut self, sector: usize, distance: f32, node: u32) {
-        if (distance, node) < (self.distance[sector], self.node[sector]) {
-            (self.distance[sector], self.node[sector]) = (distance, node);
+        let key = u64::from(distance.to_bits()) << 32 | u64::from(node);
+        self.keys[sector] = self.keys[sector].min(key);
+    }
+
+    /// Squared distance and number.
+    #[inline]
+    fn get(&self, sector: usize) -> (f32, u32) {
+        (f32::from_bits((self.keys[sector] >> 32) as u32), self.keys[sector] as u32)
+    }
+
+    /// The largest squared distance of the octants that cells on these sides in y and z can lie in.
+    #[inline]
+    fn farthest_octant(&self, y: i32, z: i32) -> f32 {
+        let mut far = 0;
+        for octant in 0..8 {
+            let away = (octant >> 1 & 1 == 0 && y < 0) || (octant >> 1 & 1 == 1 && y > 0);
+            let apart = (octant >> 2 == 0 && z < 0) || (octant >> 2 == 1 && z > 0);
+            if !away && !apart {
+                far = far.max(self.keys[octant]);
+            }
         }
+        f32::from_bits((far >> 32) as u32)
     }
 
     /// The largest squared distance of all sectors; infinite while one is empty.
     #[inline]
     fn farthest(&self) -> f32 {
-        self.distance[..self.count].iter().fold(0.0, |far, &d| far.max(d))
+        f32::from_bits((self.keys[..self.count].iter().fold(0, |far, &key| far.max(key)) >> 32) as u32)
     }
 }
 
@@ -98,7 +119,8 @@ impl Search<'_> {
                 Sectors::Octants => self.nearest(node as u32, octant),
                 sectors => self.nearest(node as u32, |d| sectors.of(d)),
             };
-            part.targets.extend(nearest.node[..nearest.count].iter().filter(|&&node| node != u32::MAX));
+            let found = nearest.keys[..nearest.count].iter().filter(|&&key| key != NONE);
+            part.targets.extend(found.map(|&key| key as u32));
             part.starts.push(part.targets.len() as u32);
         }
         part
@@ -107,11 +129,11 @@ impl Search<'_> {
     #[inline]
     fn nearest(&self, node: u32, sector_of: impl Fn(Vec3) -> usize) -> Nearest {
         let from = self.positions[node as usize];
-        let mut nearest =
-            Nearest { distance: [f32::INFINITY; 64], node: [u32::MAX; 64], count: self.sectors.count() };
+        let mut nearest = Nearest { keys: [NONE; 64], count: self.sectors.count() };
+        let octants = matches!(self.sectors, Sectors::Octants);
         let mut searched = -1.0;
         if let Some(cells) = &self.cells {
-            searched = cells.scan(from, &mut nearest, |nearest, position, other| {
+            searched = cells.scan(from, &mut nearest, octants, |nearest, position, other| {
                 let to = position - from;
                 if other != node {
                     nearest.offer(sector_of(to), to.length_squared(), other);
@@ -119,9 +141,10 @@ impl Search<'_> {
             });
         }
         // Octants are told by signs, which subtraction keeps; other borders are rounded.
-        let rounding = if matches!(self.sectors, Sectors::Octants) { 0.0 } else { 1e-5 };
+        let rounding = if octants { 0.0 } else { 1e-5 };
         for sector in 0..nearest.count {
-            if nearest.distance[sector] <= searched {
+            let best = nearest.get(sector);
+            if best.0 <= searched {
                 continue;
             }
             let outside = |min: Vec3, max: Vec3| {
@@ -130,17 +153,16 @@ impl Search<'_> {
                     normal.dot(farthest) < -rounding * farthest.abs().max_element()
                 })
             };
-            let best = (nearest.distance[sector], nearest.node[sector]);
-            (nearest.distance[sector], nearest.node[sector]) =
-                self.bvh.nearest(from, best, outside, |position, other| {
-                    other != node && sector_of(position - from) == sector
-                });
+            let (distance, other) = self.bvh.nearest(from, best, outside, |position, other| {
+                other != node && sector_of(position - from) == sector
+            });
+            nearest.offer(sector, distance, other);
         }
         nearest
     }
 }
 
-/// Points sorted into the cells of a lattice, about one a cell.
+/// Points sorted into the cells of a lattice, about three a cell.
 struct Cells {
     min: Vec3,
     side: f32,
@@ -161,7 +183,7 @@ impl Cells {
         if !(side > 0.0 && side.is_finite()) {
             return None;
         }
-        while cells_at(side).element_product() < positions.len() as f32 * 0.85 {
+        while cells_at(side).element_product() < positions.len() as f32 * 0.35 {
             side *= 0.95;
         }
         let dims = cells_at(side).to_array().map(|n| n as i32);
@@ -202,7 +224,13 @@ impl Cells {
     /// Offers every point in the 3 x 3 x 3 cells around `from`, then, if that leaves a sector open, in the
     /// 5 x 5 x 5. Returns the squared distance within which no point was missed.
     #[inline]
-    fn scan(&self, from: Vec3, nearest: &mut Nearest, offer: impl Fn(&mut Nearest, Vec3, u32)) -> f32 {
+    fn scan(
+        &self,
+        from: Vec3,
+        nearest: &mut Nearest,
+        octants: bool,
+        offer: impl Fn(&mut Nearest, Vec3, u32),
+    ) -> f32 {
         let [x, y, z] = self.cell(from);
         let inside = (from - self.min) - Vec3::new(x as f32, y as f32, z as f32) * self.side;
         // From the point to the nearest face of its own cell, a little low for rounding.
@@ -227,13 +255,32 @@ impl Cells {
         if nearest.farthest() <= searched * searched {
             return searched * searched;
         }
+        // The way to the cells at an offset along an axis, a little short for rounding.
+        let way = |offset: i32, inside: f32| match offset {
+            0 => 0.0,
+            1.. => (offset as f32 * self.side - inside) - self.side * 1e-4,
+            _ => ((-1 - offset) as f32 * self.side + inside) - self.side * 1e-4,
+        };
+        let (left, right) = (way(-2, inside.x), way(2, inside.x));
         for dz in -2i32..=2 {
             for dy in -2i32..=2 {
-                if dy.abs() < 2 && dz.abs() < 2 {
-                    row(nearest, x - 2, x - 2, y + dy, z + dz);
-                    row(nearest, x + 2, x + 2, y + dy, z + dz);
-                } else {
-                    row(nearest, x - 2, x + 2, y + dy, z + dz);
+                let (across, deep) = (way(dy, inside.y), way(dz, inside.z));
+                let farthest = if octants { nearest.farthest_octant(dy, dz) } else { nearest.farthest() };
+                let reach = farthest - (across * across + deep * deep);
+                if reach < 0.0 {
+                    continue;
+                }
+                let (x0, x1) =
+                    (x - 1 - i32::from(left * left <= reach), x + 1 + i32::from(right * right <= reach));
+                if dy.abs() == 2 || dz.abs() == 2 {
+                    row(nearest, x0, x1, y + dy, z + dz);
+                    continue;
+                }
+                if x0 == x - 2 {
+                    row(nearest, x0, x0, y + dy, z + dz);
+                }
+                if x1 == x + 2 {
+                    row(nearest, x1, x1, y + dy, z + dz);
                 }
             }
         }

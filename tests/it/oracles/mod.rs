@@ -1,0 +1,8 @@
+//! What the paper and the design promise, computed a second time in another way.
+
+mod edges;
+mod endpoints;
+mod nodes;
+mod paths;
+mod radii;
+mod vectors;

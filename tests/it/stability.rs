@@ -1,0 +1,161 @@
+//! Same seed, same bits: at every number of threads, and from one version to the next.
+
+use crate::sample::fnv1a;
+use std::collections::BTreeMap;
+use std::fmt::Write as _;
+use treesynth::glam::Vec3;
+use treesynth::guided::{Edges, Graph, Lattice, PointCloud, PoissonYao};
+use treesynth::shape::{Cuboid, HalfEllipsoid};
+use treesynth::{GraphBuilder, Silent, Skeleton, presets};
+
+fn of_positions(positions: &[Vec3]) -> impl Iterator<Item = u8> {
+    positions.iter().flat_map(Vec3::to_array).flat_map(|x| x.to_bits().to_le_bytes())
+}
+
+/// Of every bit a graph holds.
+fn graph_hash(graph: &Graph) -> u64 {
+    let edges = (0..graph.nodes() as u32).flat_map(|node| {
+        let neighbours = graph.neighbours(node);
+        std::iter::once(neighbours.len() as u32).chain(neighbours.iter().copied())
+    });
+    let numbers = std::iter::once(graph.root()).chain(edges).flat_map(u32::to_le_bytes);
+    fnv1a(of_positions(graph.positions()).chain(numbers))
+}
+
+/// Of every bit a skeleton holds.
+fn tree_hash(tree: &Skeleton) -> u64 {
+    let parents = (0..tree.len()).map(|node| tree.parent(node).map_or(u32::MAX, |parent| parent as u32));
+    let short = tree.stages().iter().chain(tree.orders()).map(|&number| u32::from(number));
+    let radii = tree.radii().iter().map(|radius| radius.to_bits());
+    let numbers = parents.chain(radii).chain(short).chain(tree.hops().iter().copied());
+    fnv1a(of_positions(tree.positions()).chain(numbers.flat_map(u32::to_le_bytes)))
+}
+
+/// The results of `work` on pools of 1, 2 and 8 threads.
+fn at_thread_counts<T: Send>(work: impl Fn() -> T + Sync + Send) -> Vec<T> {
+    [1, 2, 8]
+        .into_iter()
+        .map(|threads| {
+            let pool =
+                rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("a pool of threads");
+            pool.install(&work)
+        })
+        .collect()
+}
+
+fn all_the_same(hashes: &[u64], what: &str) {
+    assert!(hashes.windows(2).all(|pair| pair[0] == pair[1]), "{what} depends on the threads: {hashes:x?}");
+}
+
+#[test]
+fn graphs_do_not_depend_on_the_threads() {
+    let region = Cuboid::new(Vec3::new(-3.0, 0.0, -3.0), Vec3::new(3.0, 6.0, 3.0));
+    let points =
+        PoissonYao::new(region).with_nodes(20_000).build(5, &Silent).expect("a graph").positions().to_vec();
+    let dome = HalfEllipsoid::new(Vec3::ZERO, Vec3::new(3.0, 2.0, 5.0));
+    let builders: [(&str, Box<dyn GraphBuilder>); 7] = [
+        ("poisson", Box::new(PoissonYao::new(region).with_nodes(60_000))),
+        ("dome", Box::new(PoissonYao::new(dome).with_nodes(30_000).with_sectors(12))),
+        ("plane", Box::new(PoissonYao::new(region).with_nodes(30_000).planar())),
+        ("lattice", Box::new(Lattice::new(region, 0.2))),
+        ("cloud", Box::new(PointCloud::new(points.clone(), Edges::Yao(8)))),
+        ("wedges", Box::new(PointCloud::new(points.clone(), Edges::PlanarYao(6)))),
+        ("nearest", Box::new(PointCloud::new(points, Edges::Nearest(9)))),
+    ];
+    for (name, builder) in builders {
+        for seed in [1, u64::MAX] {
+            let build = || graph_hash(&builder.build(seed, &Silent).expect("a graph"));
+            all_the_same(&at_thread_counts(build), name);
+        }
+    }
+}
+
+#[test]
+fn trees_do_not_depend_on_the_threads() {
+    for name in
+        ["figure-05-right", "figure-06c", "figure-07", "figure-08a", "figure-13", "figure-17b", "figure-17e"]
+    {
+        let preset = presets::by_name(name).expect("a preset");
+        let synth = preset.synth(20_000);
+        let grow = || tree_hash(&synth.synthesize(preset.seed).expect("a tree"));
+        all_the_same(&at_thread_counts(grow), name);
+    }
+}
+
+#[test]
+fn the_seed_matters() {
+    let synth = presets::by_name("figure-06c").expect("a preset").synth(3000);
+    let hash = |seed| tree_hash(&synth.synthesize(seed).expect("a tree"));
+    assert_eq!(hash(1), hash(1));
+    assert!(hash(1) != hash(2) && hash(1) != hash(1 << 32) && hash(1) != hash(1 << 63));
+}
+
+/// FNV's own test vectors.
+#[test]
+fn the_hash_is_fnv1a() {
+    assert_eq!(fnv1a(*b""), 0xcbf2_9ce4_8422_2325);
+    assert_eq!(fnv1a(*b"foobar"), 0x8594_4171_f739_67e8);
+}
+
+/// Nodes of the graphs that pinned trees grow in.
+const COARSE: usize = 3000;
+
+/// "Late endpoints are 'up to' the figure's count, so that coarse graphs work too."
+#[test]
+fn every_preset_grows_in_a_coarse_graph() {
+    let failed: Vec<String> = presets::all()
+        .filter_map(|preset| {
+            let error = preset.synth(COARSE).synthesize(preset.seed).err()?;
+            Some(format!("{}: {error}", preset.name))
+        })
+        .collect();
+    assert!(failed.is_empty(), "{failed:#?}");
+}
+
+const TABLE: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/it/pinned.txt");
+
+#[test]
+fn presets_grow_the_same_trees_as_ever() {
+    let found: BTreeMap<String, u64> = presets::all()
+        .map(|preset| {
+            // One that does not grow is pinned by what it says; the test above calls it by name.
+            let hash = match preset.synth(COARSE).synthesize(preset.seed) {
+                Ok(tree) => tree_hash(&tree),
+                Err(error) => fnv1a(error.to_string().bytes()),
+            };
+            (preset.name.to_owned(), hash)
+        })
+        .collect();
+    if std::env::var_os("TREESYNTH_PIN").is_some() {
+        let mut text = String::new();
+        for (name, hash) in &found {
+            writeln!(text, "{name} {hash:016x}").expect("strings take everything");
+        }
+        std::fs::write(TABLE, text).expect("the table can be written");
+        return;
+    }
+    let text = std::fs::read_to_string(TABLE).expect("tests/it/pinned.txt");
+    let pinned: BTreeMap<String, u64> = text
+        .lines()
+        .map(|line| {
+            let (name, hash) = line.split_once(' ').expect("a name and a hash");
+            (name.to_owned(), u64::from_str_radix(hash, 16).expect("a hash of 16 digits"))
+        })
+        .collect();
+    let names = found.keys().chain(pinned.keys()).collect::<std::collections::BTreeSet<_>>();
+    let mut changes = String::new();
+    for name in names {
+        let word = match (pinned.get(name), found.get(name)) {
+            (None, Some(_)) => "new",
+            (Some(_), None) => "gone",
+            (pinned, found) if pinned != found => "another tree",
+            _ => continue,
+        };
+        write!(changes, "\n  {name}: {word}").expect("strings take everything");
+    }
+    assert!(
+        changes.is_empty(),
+        "Equal seeds no longer give equal trees:{changes}\nIf that is meant, say so in CHANGELOG.md, for users \
+         count on it, and pin the new trees with TREESYNTH_PIN=1 cargo test --all-features --test it presets_grow"
+    );
+}
