@@ -1,3 +1,4 @@
-//! What must hold of every strategy and every tree.
+//! What must hold of every strategy and every tree, and what the figures show.
 
+mod figures;
 mod invariants;
