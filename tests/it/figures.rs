@@ -1,8 +1,8 @@
 //! What each figure of the paper shows, as a number on the preset's tree.
 //!
-//! Each number is taken on the preset and, in the same graph and to the same endpoints, on a tree of another rule or
-//! policy, where it must fall on the other side of the limit: what is held is what the rule does, not what any tree
-//! looks like. `cargo test --test it figures -- --nocapture` prints the numbers.
+//! Each number is taken on the preset and on a tree of another rule on the way to the same endpoints in the same
+//! graph, of another policy, or of the figure's other presets. There it must fall on the other side of the limit: what
+//! is held is what the rule or the policy does, not what any tree looks like. `cargo test --test it figures -- --nocapture` prints the numbers.
 
 use std::sync::{Arc, OnceLock};
 use treesynth::field::{Helix, Rotation, SphericalMeridians, VectorField};
