@@ -16,7 +16,8 @@ mod weight;
 pub use endpoint::{Count, EndpointError, EndpointPolicy, HopSurface, InShape, NearestTo, Side, StageView};
 pub use graph::{Edges, Graph, GraphBuilder, GraphError, Lattice, PointCloud, PoissonYao};
 pub use rule::{
-    Bend, BendAxis, Blend, ByHeight, ByStage, FollowField, GuidingRule, Jitter, Source, SourceElevation, Step,
+    Bend, BendAxis, Blend, ByHeight, ByStage, FollowField, GuidingRule, Jitter, Source, SourceElevation,
+    SourceVector, Step,
 };
 pub use search::{Search, SearchError};
 pub use synth::{Growth, Stage, SynthesisError, TreeSynth};

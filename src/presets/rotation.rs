@@ -2,7 +2,7 @@
 
 use super::{Preset, bark, degrees, graph, limbs, tree, trunk, twigs};
 use crate::field::{Helix, Rotation, SphericalMeridians, VectorField};
-use crate::guided::{Bend, Count, FollowField, InShape, Stage, TreeSynth};
+use crate::guided::{Bend, Count, FollowField, HopSurface, InShape, Stage, TreeSynth};
 use crate::shape::{Ellipsoid, HalfEllipsoid, Shell};
 use glam::Vec3;
 
@@ -37,16 +37,16 @@ pub(super) const PRESETS: &[Preset] = &[
     .partial(2),
     Preset::new("figure-07", 7, "Equation 2 with θ = 25°: an elm.", elm).partial(1),
     Preset::new("figure-08a", 8, "A helical field: branches wind about the axis.", |nodes| {
-        field_tree(nodes, Helix::with_angle(Vec3::ZERO, degrees(40.0)))
+        field_tree(nodes, 0.0, Helix::with_angle(Vec3::ZERO, degrees(40.0)))
     }),
     Preset::new(
         "figure-08b",
         8,
         "A rotation about a horizontal axis: everything sweeps to one side.",
-        |nodes| field_tree(nodes, Rotation::new(Vec3::new(7.0, 0.0, 0.0), Vec3::NEG_Z)),
+        |nodes| field_tree(nodes, 1.5, Rotation::new(Vec3::new(7.0, 0.0, 0.0), Vec3::NEG_Z)),
     ),
     Preset::new("figure-08c", 8, "Upward along spheres: out, around and in again.", |nodes| {
-        field_tree(nodes, SphericalMeridians::new(Vec3::Y * 5.0))
+        field_tree(nodes, 0.0, SphericalMeridians::new(Vec3::Y * 5.0))
     }),
 ];
 
@@ -85,13 +85,14 @@ fn elm(nodes: usize) -> TreeSynth {
         .stage(twigs(2, 4000))
 }
 
-fn field_tree(nodes: usize, field: impl VectorField + Copy + 'static) -> TreeSynth {
-    let crown = Ellipsoid::new(Vec3::Y * 5.8, Vec3::new(3.8, 3.6, 3.8));
+/// The crown's centre is `aside` metres off the root.
+fn field_tree(nodes: usize, aside: f32, field: impl VectorField + Copy + 'static) -> TreeSynth {
+    let crown = Ellipsoid::new(Vec3::new(aside, 5.8, 0.0), Vec3::new(3.8, 3.6, 3.8));
     let rule = FollowField::new(field);
-    TreeSynth::new(graph(12.0, 11.0, nodes))
+    TreeSynth::new(graph(13.0, 11.5, nodes))
         .with_radius(bark(0.4))
         .stage(Stage::new(rule.clone(), InShape::poisson_disc(crown, Count::UpTo(45))))
-        .stage(Stage::new(rule, crate::guided::HopSurface::new(3, Count::UpTo(400))))
+        .stage(Stage::new(rule, HopSurface::new(3, Count::UpTo(400))))
         .stage(twigs(2, 1500))
         .stage(twigs(2, 4000))
 }

@@ -67,7 +67,7 @@ fn clusters(nodes: usize) -> TreeSynth {
         .stage(limbs(Bend::piecewise(degrees(6.0), degrees(-4.0), 12), dome, 9))
         .stage(Stage::new(fork(), HopSurface::new(4, Count::UpTo(60)).with_outermost(0.4)))
         .stage(outer_twigs(2, 1500, 0.5))
-        .stage(outer_twigs(2, 4500, 0.6))
+        .stage(outer_twigs(2, 3000, 0.5))
 }
 
 fn two_habits(nodes: usize) -> TreeSynth {

@@ -4,6 +4,7 @@
 
 #[cfg(feature = "json")]
 mod bad_input;
+mod figures;
 #[cfg(feature = "testing")]
 mod invariants;
 mod layers;

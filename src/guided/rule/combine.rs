@@ -165,11 +165,12 @@ impl<R: GuidingRule> GuidingRule for Jitter<R> {
     }
 }
 
-/// Sets the sources' vectors by their height, then leaves the rest to another rule: "initial guiding vector
-/// directions set according to height, pointing more steeply upward as the source point elevation increases"
-/// (section 4, trees (e) and (i) of figure 17).
+/// Sets the vectors with which branches start by the height of their source, then leaves the rest to another rule:
+/// "initial guiding vector directions set according to height, pointing more steeply upward as the source point
+/// elevation increases" (section 4, trees (e) and (i) of figure 17).
 ///
-/// The vector points away from the tree's vertical axis; on the axis itself, to a random side.
+/// The first node off the tree gets a vector at the height's angle from up, to the side of the edge that leads to
+/// it: a source on a vertical trunk has no side of its own, and branches leave it to all sides.
 #[derive(Debug, Clone)]
 pub struct SourceElevation<R> {
     rule: R,
@@ -178,8 +179,8 @@ pub struct SourceElevation<R> {
 }
 
 impl<R: GuidingRule> SourceElevation<R> {
-    /// Sources at `heights[0]` metres above the root and below point `angles[0]` radians away from up, those at
-    /// `heights[1]` and above `angles[1]`; linear between. Angles in [0, π].
+    /// Branches from sources at `heights[0]` metres above the root and below start `angles[0]` radians away from
+    /// up, those from `heights[1]` and above `angles[1]`; linear between. Angles in [0, π].
     pub fn new(rule: R, angles: [f32; 2], heights: [f32; 2]) -> Self {
         Self { rule, angles, heights }
     }
@@ -187,23 +188,19 @@ impl<R: GuidingRule> SourceElevation<R> {
 
 impl<R: GuidingRule> GuidingRule for SourceElevation<R> {
     fn guide(&self, step: &Step<'_>) -> Vec3 {
-        self.rule.guide(step)
+        let across = step.edge.with_y(0.0).normalize_or_zero();
+        if step.hops > 1 || across == Vec3::ZERO {
+            return self.rule.guide(step);
+        }
+        let ([low, high], [bottom, top]) = (self.angles, self.heights);
+        let height = step.position_of(step.from).y - step.root().y;
+        let share = ((height - bottom) / (top - bottom)).clamp(0.0, 1.0);
+        let (sin, cos) = sin_cos(low + (high - low) * share);
+        UP * cos + across * sin
     }
 
     fn source(&self, source: &Source) -> Vec3 {
-        let ([low, high], [bottom, top]) = (self.angles, self.heights);
-        let from_root = source.position - source.root;
-        let share = ((from_root.y - bottom) / (top - bottom)).clamp(0.0, 1.0);
-        let (sin, cos) = sin_cos(low + (high - low) * share);
-        let across = from_root.with_y(0.0);
-        let outward = if across.length() > 0.05 * from_root.y.abs() {
-            across.normalize_or(Vec3::X)
-        } else {
-            let turn = unit(source.seed, source.stage as u32, Purpose::SOURCE_ANGLE, u64::from(source.node));
-            let (sin, cos) = sin_cos(turn * TAU);
-            Vec3::new(cos, 0.0, sin)
-        };
-        UP * cos + outward * sin
+        self.rule.source(source)
     }
 
     fn check(&self) -> Result<(), ParameterError> {
@@ -222,6 +219,39 @@ impl<R: GuidingRule> GuidingRule for SourceElevation<R> {
             self.heights,
             "finite and ascending, in metres",
         )?;
+        self.rule.check()
+    }
+}
+
+/// All sources enter the stage with one vector, whatever they had, and another rule does the rest: "optionally, the
+/// guiding vectors for the source nodes are changed" (section 3.1.4).
+///
+/// With up, the forks of a stage are measured from up and not from the bearing branch.
+#[derive(Debug, Clone)]
+pub struct SourceVector<R> {
+    rule: R,
+    vector: Vec3,
+}
+
+impl<R: GuidingRule> SourceVector<R> {
+    /// All sources get `vector`, of any length but zero.
+    pub fn new(rule: R, vector: Vec3) -> Self {
+        Self { rule, vector }
+    }
+}
+
+impl<R: GuidingRule> GuidingRule for SourceVector<R> {
+    fn guide(&self, step: &Step<'_>) -> Vec3 {
+        self.rule.guide(step)
+    }
+
+    fn source(&self, _: &Source) -> Vec3 {
+        self.vector
+    }
+
+    fn check(&self) -> Result<(), ParameterError> {
+        let usable = self.vector.is_finite() && self.vector != Vec3::ZERO;
+        ParameterError::unless(usable, "SourceVector.vector", self.vector, "finite and not zero")?;
         self.rule.check()
     }
 }

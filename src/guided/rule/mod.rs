@@ -5,7 +5,7 @@ mod combine;
 mod field;
 
 pub use bend::{Bend, BendAxis};
-pub use combine::{Blend, ByHeight, ByStage, Jitter, SourceElevation};
+pub use combine::{Blend, ByHeight, ByStage, Jitter, SourceElevation, SourceVector};
 pub use field::FollowField;
 
 use super::search::Search;
