@@ -54,7 +54,7 @@ fn main() -> Result<(), Failure> {
     for (figure, pictures) in &sheets {
         let columns = if pictures.len() > 5 { pictures.len().div_ceil(2) } else { pictures.len() };
         let sheet = Picture::sheet(pictures, columns as u32, 6, [255, 255, 255])?;
-        write(&options.out.join(format!("figure-{figure:02}.png")), &sheet)?;
+        write(&options.out.join(format!("sheet-{figure:02}.png")), &sheet)?;
     }
     Ok(())
 }

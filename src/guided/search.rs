@@ -245,7 +245,8 @@ impl<'g> Search<'g> {
         if self.place[here] == NONE {
             let parent = self.parent[here];
             let start = graph.position(parent);
-            let length = position.distance(start);
+            let way = position - start;
+            let length = way.length();
             self.hops[here] =
                 if self.place[parent as usize] == NONE { self.hops[parent as usize] + 1 } else { 1 };
             let step = Step {
@@ -253,7 +254,7 @@ impl<'g> Search<'g> {
                 node,
                 from: parent,
                 position,
-                edge: (position - start) / length,
+                edge: way * (1.0 / length),
                 length,
                 vector: self.vector[parent as usize],
                 hops: self.hops[here],
@@ -264,18 +265,20 @@ impl<'g> Search<'g> {
         }
         let (vector, cost) = (self.vector[here], self.cost[here]);
         for &to in graph.neighbours(node) {
-            // A settled node has its least cost; asking for the weight would be in vain.
-            if self.settled[to as usize] {
+            // As cheap already, so settled or about to be: asking for the weight would be in vain.
+            let known = &mut self.cost[to as usize];
+            if *known <= cost {
                 continue;
             }
             let end = graph.position(to);
-            let length = end.distance(position);
+            let way = end - position;
+            let length = way.length();
             let edge = Edge {
                 from: node,
                 to,
                 start: position,
                 end,
-                direction: (end - position) / length,
+                direction: way * (1.0 / length),
                 length,
                 vector,
                 stage: terms.stage,
@@ -287,8 +290,8 @@ impl<'g> Search<'g> {
             }
             // `+ 0.0` turns a weight of -0 into 0, whose bits are in order.
             let through = cost + weight + 0.0;
-            if through < self.cost[to as usize] {
-                self.cost[to as usize] = through;
+            if through < *known {
+                *known = through;
                 self.parent[to as usize] = node;
                 self.queue.push(Entry::new(through, to));
             }

@@ -291,7 +291,7 @@ impl TreeSynth {
         })?;
         search.forget();
         let before = search.source_vectors();
-        let terms = Terms { rule, weight, stage, stages, seed, observer };
+        let terms = Terms { rule: &**rule, weight: &**weight, stage, stages, seed, observer };
         let select = |search: &Search<'_>| {
             endpoints
                 .select(&StageView { search, stage, seed })
