@@ -1,5 +1,6 @@
 //! Implementations held to their contracts, and trees to their invariants.
 
+use crate::field::VectorField;
 use crate::guided::{
     Bend, Count, EndpointPolicy, Graph, GraphBuilder, Growth, GuidingRule, HopSurface, InShape, Search,
     Stage, SynthesisError, TreeSynth, WeightFn,
@@ -75,6 +76,20 @@ pub fn hold_shape(shape: &dyn Shape, seed: u64) -> Held {
         volume >= 0.0 && volume <= bounds.volume() * 1.001,
         "volume {volume} is at most the bounds'"
     );
+    Ok(())
+}
+
+/// The field is finite, and the same every time, at and around points of its choosing.
+///
+/// # Errors
+/// What does not hold.
+pub fn hold_field(field: &dyn VectorField, points: &[Vec3]) -> Held {
+    field.check().map_err(|error| failed(&error))?;
+    for &point in points.iter().chain(&[Vec3::ZERO, Vec3::Y]) {
+        let vector = field.at(point);
+        prop_assert!(vector.is_finite(), "the field is finite at {point}");
+        prop_assert_eq!(vector, field.at(point), "the field is the same every time");
+    }
     Ok(())
 }
 

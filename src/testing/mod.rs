@@ -21,16 +21,16 @@
 //! ```
 //!
 //! The strategies: [`regions`], [`graphs`], [`options`] for whole pipelines, [`skeletons`]. The calls:
-//! [`hold_builder`], [`hold_rule`], [`hold_weight`], [`hold_endpoints`], [`hold_radius`], [`hold_shape`], and
-//! [`hold_synth`], [`hold_growth`] and [`hold_skeleton`] for what comes out.
+//! [`hold_builder`], [`hold_rule`], [`hold_weight`], [`hold_endpoints`], [`hold_radius`], [`hold_shape`],
+//! [`hold_field`], and [`hold_synth`], [`hold_growth`] and [`hold_skeleton`] for what comes out.
 
 mod hold;
 mod options;
 mod strategies;
 
 pub use hold::{
-    hold_builder, hold_endpoints, hold_growth, hold_radius, hold_rule, hold_shape, hold_skeleton, hold_synth,
-    hold_weight,
+    hold_builder, hold_endpoints, hold_field, hold_growth, hold_radius, hold_rule, hold_shape, hold_skeleton,
+    hold_synth, hold_weight,
 };
 pub use options::{Options, RuleOption, StageOptions, WeightOption, options};
 pub use strategies::{Region, graphs, regions, skeletons};

@@ -1,8 +1,17 @@
 //! Every builder, rule, weight, policy and radius model of the crate, held by the calls that users have.
 
 use proptest::prelude::*;
+use treesynth::field::{Helix, Source, SphericalMeridians, Sum, Vortex};
+use treesynth::glam::Vec3;
 use treesynth::testing::{self, graphs, options, regions, skeletons};
-use treesynth::{SynthesisError, guided::*, radius::*};
+use treesynth::{
+    SynthesisError,
+    guided::{
+        Bend, ByStage, Count, GuidedPower, HopSurface, InShape, Jitter, Multimodal, Side, SourceElevation,
+        SourceVector,
+    },
+    radius::*,
+};
 
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(96))]
@@ -24,6 +33,7 @@ proptest! {
     fn rules(graph in graphs(), seed: u64, angle in -2f32..2.0, hops in 0u32..5) {
         testing::hold_rule(Bend::piecewise(angle, -angle, hops), &graph, seed)?;
         testing::hold_rule(Bend::random(angle, angle + 1.0, 0.1, hops), &graph, seed)?;
+        testing::hold_rule(SourceVector::new(SourceElevation::new(Bend::none(), [1.5, 0.3], [0.0, 2.0]), Vec3::Y), &graph, seed)?;
         testing::hold_rule(ByStage::new().then(Bend::none()).then(Jitter::new(Bend::from_axis(angle), 0.5)), &graph, seed)?;
     }
 
@@ -44,6 +54,13 @@ proptest! {
     #[test]
     fn shapes(region in regions(), seed: u64) {
         testing::hold_shape(&region, seed)?;
+    }
+
+    #[test]
+    fn fields(graph in graphs(), angle in -1.5f32..1.5) {
+        testing::hold_field(&Helix::with_angle(Vec3::ZERO, angle), graph.positions())?;
+        testing::hold_field(&SphericalMeridians::new(Vec3::Y), graph.positions())?;
+        testing::hold_field(&Sum::new().with(Source::new(Vec3::Y, 1.0)).with(Vortex::new(Vec3::ZERO, Vec3::Y, angle)), graph.positions())?;
     }
 
     #[test]
