@@ -16,7 +16,7 @@ pub enum BendAxis {
     #[default]
     UpCrossEdge,
     /// Perpendicular to up and the parent's vector (section 3.1.2). A vertical vector stays vertical, so sources
-    /// need other vectors, e.g. by [`SourceElevation`](super::SourceElevation).
+    /// need other vectors, e.g. by [`SourceVector`](super::SourceVector).
     UpCrossVector,
 }
 

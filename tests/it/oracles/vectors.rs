@@ -8,7 +8,7 @@ use treesynth::field::{Helix, SphericalMeridians};
 use treesynth::glam::{DVec3, Vec3};
 use treesynth::guided::{
     Bend, BendAxis, Blend, ByHeight, ByStage, Count, FollowField, Graph, HopSurface, InShape, NearestTo,
-    PoissonYao, Search, SourceElevation, Stage, TreeSynth,
+    PoissonYao, Search, SourceElevation, SourceVector, Stage, TreeSynth,
 };
 use treesynth::shape::Ellipsoid;
 use treesynth::{GuidingRule, Silent, VectorField};
@@ -119,7 +119,7 @@ proptest! {
     fn the_other_axis_is_up_cross_vector(seed: u64, angle in -20f32..20.0) {
         // A vertical vector turns no way, so the sources get others.
         let bend = Bend::constant(degrees(angle)).with_axis(BendAxis::UpCrossVector);
-        let rule: Arc<dyn GuidingRule> = Arc::new(SourceElevation::new(bend, [1.2, 0.4], [0.0, 4.0]));
+        let rule: Arc<dyn GuidingRule> = Arc::new(SourceVector::new(bend, Vec3::new(0.5, 1.0, 0.3)));
         each_node(&cube_graph(500, seed), seed, &rule, |node| {
             let axis = DVec3::Y.cross(node.before);
             if axis.length() > 1e-3 {
@@ -214,9 +214,10 @@ fn rules_are_chosen_by_stage_and_height() {
     });
 }
 
-/// Trees (e) and (i) of figure 17: sources point away from the axis, "more steeply upward" the higher they are.
+/// Trees (e) and (i) of figure 17: branches start "more steeply upward" the higher their source, each to the side of
+/// its first edge, and the sources keep their vectors.
 #[test]
-fn sources_turn_by_their_height() {
+fn branches_start_by_the_height_of_their_source() {
     let graph = cube_graph(800, 8);
     let rule = SourceElevation::new(Bend::none(), [degrees(100.0), degrees(20.0)], [1.0, 4.0]);
     let synth = TreeSynth::new(PoissonYao::new(plot(6.0, 6.0)))
@@ -226,15 +227,46 @@ fn sources_turn_by_their_height() {
     for stage in 0..2 {
         synth.grow_stage(&mut search, stage, 8, &Silent).expect("endpoints enough");
     }
-    for &node in search.tree() {
-        let vector = search.vector(node).expect("settled").as_dvec3();
-        let position = graph.position(node).as_dvec3();
-        let share = ((position.y - 1.0) / 3.0).clamp(0.0, 1.0);
+    assert!(search.tree().iter().all(|&node| search.vector(node) == Some(Vec3::Y)));
+    let mut firsts = 0;
+    for node in (0..graph.nodes() as u32).filter(|&node| !search.is_on_tree(node)) {
+        let (Some(vector), Some(parent)) = (search.vector(node), search.parent(node)) else { continue };
+        if search.hops(node) > 1 {
+            assert_eq!(Some(vector), search.vector(parent), "the rest is the inner rule's");
+            continue;
+        }
+        firsts += 1;
+        let source = graph.position(parent).as_dvec3();
+        let share = ((source.y - 1.0) / 3.0).clamp(0.0, 1.0);
         let expected = (100.0 - 80.0 * share).to_radians();
-        assert!((vector.angle_between(DVec3::Y) - expected).abs() < 1e-3);
-        let across = position.with_y(0.0);
-        assert!(
-            across.length() < 0.06 * position.y + 1e-6 || vector.with_y(0.0).angle_between(across) < 1e-3
-        );
+        assert!((vector.as_dvec3().angle_between(DVec3::Y) - expected).abs() < 1e-3);
+        let edge = (graph.position(node) - graph.position(parent)).as_dvec3();
+        assert!(vector.as_dvec3().with_y(0.0).angle_between(edge.with_y(0.0)) < 1e-3);
     }
+    assert!(firsts > 20, "{firsts}");
+}
+
+/// Section 3.1.4: "optionally, the guiding vectors for the source nodes are changed"; they stay so in later stages.
+#[test]
+fn sources_keep_or_change_their_vectors() {
+    let graph = cube_graph(800, 8);
+    let trunk = || Stage::new(Bend::constant(0.2), NearestTo::new(Vec3::new(1.5, 3.0, 1.0)));
+    let vectors = |changed: bool| {
+        let second = if changed {
+            Stage::new(SourceVector::new(Bend::none(), Vec3::new(0.0, 2.0, 0.0)), Nothing)
+        } else {
+            Stage::new(Bend::none(), Nothing)
+        };
+        let synth = TreeSynth::new(PoissonYao::new(plot(6.0, 6.0))).stage(trunk()).stage(second);
+        let mut search = Search::new(&graph);
+        synth.grow_stage(&mut search, 0, 8, &Silent).expect("endpoints enough");
+        let before: Vec<_> = search.tree().iter().map(|&node| search.vector(node)).collect();
+        synth.grow_stage(&mut search, 1, 8, &Silent).expect("nothing wanted");
+        let after: Vec<_> = search.tree().iter().map(|&node| search.vector(node)).collect();
+        (before, after)
+    };
+    let (before, kept) = vectors(false);
+    assert_eq!(before, kept);
+    assert!(before.iter().any(|&vector| vector != Some(Vec3::Y)));
+    assert!(vectors(true).1.iter().all(|&vector| vector == Some(Vec3::Y)));
 }
