@@ -17,17 +17,14 @@ const REPORT_EVERY: usize = 1 << 14;
 ///
 /// A tree begins as the root alone. Each stage searches paths from all nodes of the tree, and the paths to some
 /// endpoints become part of it. A value can be used for many trees on one graph: what it holds is allocated once,
-/// 29 bytes a node.
+/// 28 bytes a node.
 #[derive(Debug, Clone)]
 pub struct Search<'g> {
     graph: &'g Graph,
-    /// Least cost found so far; 0 on the tree.
-    cost: Vec<f32>,
-    parent: Vec<u32>,
-    /// Guiding vector of each settled node.
-    vector: Vec<Vec3>,
-    hops: Vec<u32>,
-    settled: Vec<bool>,
+    /// What the frontier asks for at every edge.
+    ways: Vec<Way>,
+    /// What a settled node leaves to those after it.
+    guides: Vec<Guide>,
     /// Index in `tree`, or `NONE`.
     place: Vec<u32>,
     /// Nodes of the tree, each after its parent.
@@ -37,6 +34,25 @@ pub struct Search<'g> {
     queue: BinaryHeap<Entry>,
     complete: bool,
 }
+
+/// The best way to a node so far.
+#[derive(Debug, Clone, Copy)]
+struct Way {
+    /// 0 on the tree.
+    cost: f32,
+    parent: u32,
+}
+
+/// Guiding vector and hops of a settled node.
+#[derive(Debug, Clone, Copy)]
+struct Guide {
+    vector: Vec3,
+    hops: u32,
+}
+
+const NO_WAY: Way = Way { cost: f32::INFINITY, parent: NONE };
+/// Not settled: no rule may give this vector.
+const NO_VECTOR: Vec3 = Vec3::NAN;
 
 /// What a rule or a weight did that no search can go on with.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
@@ -112,6 +128,11 @@ impl Entry {
     fn node(self) -> u32 {
         !self.0 as u32
     }
+
+    #[inline]
+    fn cost(self) -> f32 {
+        f32::from_bits((!self.0 >> 32) as u32)
+    }
 }
 
 /// What a search runs with.
@@ -130,11 +151,8 @@ impl<'g> Search<'g> {
         let nodes = graph.nodes();
         let mut search = Self {
             graph,
-            cost: vec![f32::INFINITY; nodes],
-            parent: vec![NONE; nodes],
-            vector: vec![UP; nodes],
-            hops: vec![0; nodes],
-            settled: vec![false; nodes],
+            ways: vec![NO_WAY; nodes],
+            guides: vec![Guide { vector: NO_VECTOR, hops: 0 }; nodes],
             place: vec![NONE; nodes],
             tree: Vec::new(),
             stages: Vec::new(),
@@ -156,19 +174,19 @@ impl<'g> Search<'g> {
     fn plant(&mut self) {
         let root = self.graph.root();
         self.forget();
-        self.parent[root as usize] = NONE;
+        self.ways[root as usize].parent = NONE;
         // "The root node has distance zero, and has a vertical guiding vector."
-        self.vector[root as usize] = UP;
-        self.hops[root as usize] = 0;
+        self.guides[root as usize] = Guide { vector: UP, hops: 0 };
         self.join(root, 0);
     }
 
     /// "Nodes that are not part of the structure are reinitialized" (section 3.1.4).
     pub(super) fn forget(&mut self) {
-        for node in 0..self.cost.len() {
-            let on_tree = self.place[node] != NONE;
-            self.cost[node] = if on_tree { 0.0 } else { f32::INFINITY };
-            self.settled[node] = false;
+        for node in 0..self.ways.len() {
+            if self.place[node] == NONE {
+                self.ways[node] = NO_WAY;
+                self.guides[node].vector = NO_VECTOR;
+            }
         }
         self.queue.clear();
         self.complete = false;
@@ -176,13 +194,13 @@ impl<'g> Search<'g> {
 
     /// The vectors of the tree's nodes.
     pub(super) fn source_vectors(&self) -> Vec<Vec3> {
-        self.tree.iter().map(|&node| self.vector[node as usize]).collect()
+        self.tree.iter().map(|&node| self.guides[node as usize].vector).collect()
     }
 
     /// Undoes a stage that failed before [`extend`](Self::extend).
     pub(super) fn restore(&mut self, source_vectors: &[Vec3]) {
         for (&node, &vector) in self.tree.iter().zip(source_vectors) {
-            self.vector[node as usize] = vector;
+            self.guides[node as usize].vector = vector;
         }
         self.forget();
     }
@@ -199,11 +217,11 @@ impl<'g> Search<'g> {
                 node,
                 position: self.graph.position(node),
                 root: self.graph.position(self.graph.root()),
-                vector: self.vector[node as usize],
+                vector: self.guides[node as usize].vector,
                 stage: terms.stage,
                 seed: terms.seed,
             };
-            self.vector[node as usize] = unit_vector(terms.rule.source(&source), terms.stage, node)?;
+            self.guides[node as usize].vector = unit_vector(terms.rule.source(&source), terms.stage, node)?;
             self.queue.push(Entry::new(0.0, node));
         }
         let mut wanted = targets.map(|targets| {
@@ -215,7 +233,8 @@ impl<'g> Search<'g> {
         let mut count = 0;
         while let Some(entry) = self.queue.pop() {
             let node = entry.node();
-            if self.settled[node as usize] {
+            // Stale: the node has been settled at a lower cost.
+            if entry.cost() > self.ways[node as usize].cost {
                 continue;
             }
             self.settle(node, terms)?;
@@ -241,14 +260,13 @@ impl<'g> Search<'g> {
         let graph = self.graph;
         let here = node as usize;
         let position = graph.position(node);
-        self.settled[here] = true;
         if self.place[here] == NONE {
-            let parent = self.parent[here];
+            let parent = self.ways[here].parent;
             let start = graph.position(parent);
             let way = position - start;
             let length = way.length();
-            self.hops[here] =
-                if self.place[parent as usize] == NONE { self.hops[parent as usize] + 1 } else { 1 };
+            let before = self.guides[parent as usize];
+            let hops = if self.place[parent as usize] == NONE { before.hops + 1 } else { 1 };
             let step = Step {
                 search: self,
                 node,
@@ -256,18 +274,19 @@ impl<'g> Search<'g> {
                 position,
                 edge: way / length,
                 length,
-                vector: self.vector[parent as usize],
-                hops: self.hops[here],
+                vector: before.vector,
+                hops,
                 stage: terms.stage,
                 seed: terms.seed,
             };
-            self.vector[here] = unit_vector(terms.rule.guide(&step), terms.stage, node)?;
+            let vector = unit_vector(terms.rule.guide(&step), terms.stage, node)?;
+            self.guides[here] = Guide { vector, hops };
         }
-        let (vector, cost) = (self.vector[here], self.cost[here]);
+        let (vector, cost) = (self.guides[here].vector, self.ways[here].cost);
         for &to in graph.neighbours(node) {
             // As cheap already, so settled or about to be: asking for the weight would be in vain.
-            let known = &mut self.cost[to as usize];
-            if *known <= cost {
+            let known = &mut self.ways[to as usize];
+            if known.cost <= cost {
                 continue;
             }
             let end = graph.position(to);
@@ -290,9 +309,8 @@ impl<'g> Search<'g> {
             }
             // `+ 0.0` turns a weight of -0 into 0, whose bits are in order.
             let through = cost + weight + 0.0;
-            if through < *known {
-                *known = through;
-                self.parent[to as usize] = node;
+            if through < known.cost {
+                *known = Way { cost: through, parent: node };
                 self.queue.push(Entry::new(through, to));
             }
         }
@@ -305,7 +323,7 @@ impl<'g> Search<'g> {
             if node as usize >= self.graph.nodes() {
                 return Err(SearchError::UnknownEndpoint { stage, node, nodes: self.graph.nodes() });
             }
-            if !self.settled[node as usize] {
+            if !self.is_settled(node) {
                 return Err(SearchError::Unreachable { stage, node });
             }
         }
@@ -314,7 +332,7 @@ impl<'g> Search<'g> {
             let mut node = endpoint;
             while self.place[node as usize] == NONE {
                 path.push(node);
-                node = self.parent[node as usize];
+                node = self.ways[node as usize].parent;
             }
             while let Some(node) = path.pop() {
                 self.join(node, stage);
@@ -325,7 +343,7 @@ impl<'g> Search<'g> {
 
     fn join(&mut self, node: u32, stage: usize) {
         self.place[node as usize] = self.tree.len() as u32;
-        self.cost[node as usize] = 0.0;
+        self.ways[node as usize].cost = 0.0;
         self.tree.push(node);
         self.stages.push(stage as u16);
     }
@@ -367,28 +385,27 @@ impl<'g> Search<'g> {
     /// Whether the latest search has settled `node`: its cost and path are final.
     #[inline]
     pub fn is_settled(&self, node: u32) -> bool {
-        self.settled[node as usize]
+        !self.guides[node as usize].vector.x.is_nan()
     }
 
     /// Least cost from the tree to `node` in the latest search, if settled. Zero on the tree.
     pub fn cost(&self, node: u32) -> Option<f32> {
-        self.is_settled(node).then(|| self.cost[node as usize])
+        self.is_settled(node).then(|| self.ways[node as usize].cost)
     }
 
     /// The unit guiding vector of `node`, if settled.
     pub fn vector(&self, node: u32) -> Option<Vec3> {
-        self.is_settled(node).then(|| self.vector[node as usize])
+        self.is_settled(node).then(|| self.guides[node as usize].vector)
     }
 
     /// The node before `node` on its path; `None` for the root and where nothing has been found.
     pub fn parent(&self, node: u32) -> Option<u32> {
-        let known = self.is_on_tree(node) || self.cost[node as usize] < f32::INFINITY;
-        Some(self.parent[node as usize]).filter(|&parent| known && parent != NONE)
+        Some(self.ways[node as usize].parent).filter(|&parent| parent != NONE)
     }
 
     /// Edges from the source of the stage in which `node` was settled; 0 at the root.
     pub fn hops(&self, node: u32) -> u32 {
-        self.hops[node as usize]
+        self.guides[node as usize].hops
     }
 
     /// The node of the tree that the path to `node` starts from. O(hops).
