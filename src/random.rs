@@ -50,6 +50,11 @@ pub fn unit(seed: u64, stage: u32, purpose: Purpose, index: u64) -> f32 {
     (bits >> 40) as f32 * (1.0 / (1u64 << 24) as f32)
 }
 
+/// A seed for work that takes a seed of its own, such as the graph of one stage.
+pub fn derive(seed: u64, stage: u32, purpose: Purpose) -> u64 {
+    mix(mix(seed) ^ ((u64::from(stage) << 32) | u64::from(purpose.0)))
+}
+
 /// Steele, Lea and Flood 2014, "Fast splittable pseudorandom number generators", figure 16.
 #[inline]
 fn mix(value: u64) -> u64 {

@@ -14,7 +14,7 @@ use treesynth::Silent;
 use treesynth::guided::{Graph, Search, TreeSynth};
 use treesynth::presets::{self, Preset, TYPICAL_NODES};
 use treesynth::preview::{Picture, Preview};
-use treesynth::surface::{Tubes, relax};
+use treesynth::surface::Tubes;
 
 type Failure = Box<dyn std::error::Error>;
 
@@ -113,7 +113,7 @@ fn draw_stages(
     if preset.planar {
         return plane::draw(&search, &growth.skeleton, options.size);
     }
-    let mesh = Tubes::default().mesh(&relax(&growth.skeleton, 0.5, 3)?)?;
+    let mesh = Tubes::default().mesh(&growth.skeleton.relaxed(0.5, 3)?)?;
     // A plain background keeps the files small.
     let paper = [0.97, 0.965, 0.955];
     Ok(Preview::default().with_size(options.size, options.size).with_background(paper, paper).draw(&mesh)?)

@@ -14,7 +14,7 @@ use std::time::Instant;
 use treesynth::export::{gltf, json};
 use treesynth::guided::Search;
 use treesynth::preview::Preview;
-use treesynth::surface::{Tubes, relax};
+use treesynth::surface::Tubes;
 use treesynth::{Metrics, presets};
 
 type Failure = Box<dyn std::error::Error>;
@@ -54,7 +54,7 @@ fn run(options: &Options) -> Result<(), Failure> {
     let skeleton = &growth.skeleton;
     let mut mesh = None;
     step("mesh", &mut || {
-        mesh = Some(Tubes::default().mesh(&relax(skeleton, 0.5, 3)?)?);
+        mesh = Some(Tubes::default().mesh(&skeleton.relaxed(0.5, 3)?)?);
         Ok(())
     })?;
     let mesh = mesh.ok_or("no mesh")?;

@@ -8,6 +8,7 @@
 
 mod endpoint;
 mod graph;
+mod refine;
 mod rule;
 mod search;
 mod synth;
@@ -15,6 +16,7 @@ mod weight;
 
 pub use endpoint::{Count, EndpointError, EndpointPolicy, HopSurface, InShape, NearestTo, Side, StageView};
 pub use graph::{Edges, Graph, GraphBuilder, GraphError, Lattice, PointCloud, PoissonYao};
+pub use refine::Refinement;
 pub use rule::{
     Bend, BendAxis, Blend, ByHeight, ByStage, FollowField, GuidingRule, Jitter, Source, SourceElevation,
     SourceVector, Step,

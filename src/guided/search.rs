@@ -1,12 +1,15 @@
 //! Least-cost paths from the tree so far, with weights fixed lazily (sections 3.1.2 to 3.1.4).
 
 use super::graph::Graph;
+use super::refine::Carried;
 use super::rule::{GuidingRule, Source, Step};
 use super::weight::{Edge, WeightFn};
 use crate::math::UP;
 use crate::observer::{Cancelled, Observer, Work, report};
 use glam::Vec3;
 use std::collections::BinaryHeap;
+use std::ops::Deref;
+use std::sync::Arc;
 
 /// Not a node; also: not on the tree.
 const NONE: u32 = u32::MAX;
@@ -20,7 +23,9 @@ const REPORT_EVERY: usize = 1 << 14;
 /// 28 bytes a node.
 #[derive(Debug, Clone)]
 pub struct Search<'g> {
-    graph: &'g Graph,
+    /// The graph that every new tree begins in.
+    base: &'g Graph,
+    graph: Ground<'g>,
     /// What the frontier asks for at every edge.
     ways: Vec<Way>,
     /// What a settled node leaves to those after it.
@@ -33,6 +38,25 @@ pub struct Search<'g> {
     stages: Vec<u16>,
     queue: BinaryHeap<Entry>,
     complete: bool,
+}
+
+/// The graph that a search runs in: the one it was given, or a finer one of its own.
+#[derive(Debug, Clone)]
+enum Ground<'g> {
+    Base(&'g Graph),
+    Finer(Arc<Graph>),
+}
+
+impl Deref for Ground<'_> {
+    type Target = Graph;
+
+    #[inline]
+    fn deref(&self) -> &Graph {
+        match self {
+            Self::Base(graph) => graph,
+            Self::Finer(graph) => graph,
+        }
+    }
 }
 
 /// The best way to a node so far.
@@ -150,7 +174,8 @@ impl<'g> Search<'g> {
     pub fn new(graph: &'g Graph) -> Self {
         let nodes = graph.nodes();
         let mut search = Self {
-            graph,
+            base: graph,
+            graph: Ground::Base(graph),
             ways: vec![NO_WAY; nodes],
             guides: vec![Guide { vector: NO_VECTOR, hops: 0 }; nodes],
             place: vec![NONE; nodes],
@@ -165,10 +190,34 @@ impl<'g> Search<'g> {
 
     /// Forgets the tree; the next begins with the root alone.
     pub fn reset(&mut self) {
-        self.place.fill(NONE);
+        self.stand_on(Ground::Base(self.base));
+        self.plant();
+    }
+
+    /// No tree, on another graph.
+    fn stand_on(&mut self, graph: Ground<'g>) {
+        let nodes = graph.nodes();
+        self.graph = graph;
+        self.ways.clear();
+        self.ways.resize(nodes, NO_WAY);
+        self.guides.clear();
+        self.guides.resize(nodes, Guide { vector: NO_VECTOR, hops: 0 });
+        self.place.clear();
+        self.place.resize(nodes, NONE);
         self.tree.clear();
         self.stages.clear();
-        self.plant();
+    }
+
+    /// Goes on with a tree that is carried over to a finer graph, whose first nodes are the tree's.
+    pub(super) fn adopt(&mut self, graph: Graph, carried: &Carried) {
+        self.stand_on(Ground::Finer(Arc::new(graph)));
+        self.forget();
+        for (node, &parent) in (0u32..).zip(&carried.parents) {
+            let i = node as usize;
+            self.ways[i].parent = if node == 0 { NONE } else { parent };
+            self.guides[i] = Guide { vector: carried.vectors[i], hops: carried.hops[i] };
+            self.join(node, usize::from(carried.stages[i]));
+        }
     }
 
     fn plant(&mut self) {
@@ -230,6 +279,7 @@ impl<'g> Search<'g> {
             open.dedup();
             (open.len(), open)
         });
+        let ground = self.graph.clone();
         let mut count = 0;
         while let Some(entry) = self.queue.pop() {
             let node = entry.node();
@@ -237,7 +287,7 @@ impl<'g> Search<'g> {
             if entry.cost() > self.ways[node as usize].cost {
                 continue;
             }
-            self.settle(node, terms)?;
+            self.settle(&ground, node, terms)?;
             if let Some((left, open)) = &mut wanted
                 && open.binary_search(&node).is_ok()
             {
@@ -256,8 +306,7 @@ impl<'g> Search<'g> {
     }
 
     /// "The event of finalizing a node's cost also fixes its guiding vector", then its edges get their weights.
-    fn settle(&mut self, node: u32, terms: &Terms<'_>) -> Result<(), SearchError> {
-        let graph = self.graph;
+    fn settle(&mut self, graph: &Graph, node: u32, terms: &Terms<'_>) -> Result<(), SearchError> {
         let here = node as usize;
         let position = graph.position(node);
         if self.place[here] == NONE {
@@ -348,9 +397,17 @@ impl<'g> Search<'g> {
         self.stages.push(stage as u16);
     }
 
-    /// The graph.
-    pub fn graph(&self) -> &'g Graph {
-        self.graph
+    /// The graph; after a [`Refinement`](super::Refinement) the finer one.
+    pub fn graph(&self) -> &Graph {
+        &self.graph
+    }
+
+    /// The finer graph, if there has been a refinement.
+    pub(super) fn finer_graph(&self) -> Option<Arc<Graph>> {
+        match &self.graph {
+            Ground::Base(_) => None,
+            Ground::Finer(graph) => Some(graph.clone()),
+        }
     }
 
     /// The nodes of the tree so far, the root first, each after its parent.

@@ -2,6 +2,7 @@
 
 use super::endpoint::{EndpointError, EndpointPolicy, StageView};
 use super::graph::{Graph, GraphBuilder, GraphError};
+use super::refine::Refinement;
 use super::rule::GuidingRule;
 use super::search::{Search, SearchError, Terms};
 use super::weight::{Guided, WeightFn};
@@ -19,6 +20,7 @@ pub struct Stage {
     rule: Arc<dyn GuidingRule>,
     weight: Arc<dyn WeightFn>,
     endpoints: Arc<dyn EndpointPolicy>,
+    refinement: Option<Refinement>,
 }
 
 impl std::fmt::Debug for Stage {
@@ -30,7 +32,12 @@ impl std::fmt::Debug for Stage {
 impl Stage {
     /// A stage with the paper's weight, [`Guided`].
     pub fn new(rule: impl GuidingRule + 'static, endpoints: impl EndpointPolicy + 'static) -> Self {
-        Self { rule: Arc::new(rule), weight: Arc::new(Guided), endpoints: Arc::new(endpoints) }
+        Self {
+            rule: Arc::new(rule),
+            weight: Arc::new(Guided),
+            endpoints: Arc::new(endpoints),
+            refinement: None,
+        }
     }
 
     /// Other weights.
@@ -39,9 +46,16 @@ impl Stage {
         self
     }
 
+    /// A finer graph around the tree so far, from this stage on.
+    pub fn with_refinement(mut self, refinement: Refinement) -> Self {
+        self.refinement = Some(refinement);
+        self
+    }
+
     fn check(&self) -> Result<(), ParameterError> {
         self.rule.check()?;
         self.weight.check()?;
+        self.refinement.as_ref().map_or(Ok(()), Refinement::check)?;
         self.endpoints.check()
     }
 }
@@ -80,7 +94,7 @@ impl std::fmt::Debug for TreeSynth {
 }
 
 /// A tree, and how it lies in its graph.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone)]
 #[non_exhaustive]
 pub struct Growth {
     /// The tree.
@@ -89,6 +103,9 @@ pub struct Growth {
     pub nodes: Vec<u32>,
     /// The endpoints of each stage, nodes of the graph.
     pub endpoints: Vec<Vec<u32>>,
+    /// The graph of the last [`Refinement`], if there was one: then `nodes` and `endpoints` are nodes of this, and
+    /// not of the graph that synthesis began with.
+    pub graph: Option<Arc<Graph>>,
 }
 
 /// Why there is no tree.
@@ -261,20 +278,30 @@ impl TreeSynth {
     ) -> Result<Growth, SynthesisError> {
         self.check_growth()?;
         search.reset();
-        let endpoints = (0..self.stages.len())
-            .map(|stage| self.grow_stage(search, stage, seed, observer))
-            .collect::<Result<_, _>>()?;
+        let mut endpoints: Vec<Vec<u32>> = Vec::new();
+        for stage in 0..self.stages.len() {
+            let old = search.tree().to_vec();
+            let places = self.refine(search, stage, seed, observer)?;
+            if let Some(places) = places {
+                let mut moved = vec![0; old.iter().max().map_or(0, |&node| node as usize + 1)];
+                for (node, place) in old.into_iter().zip(places) {
+                    moved[node as usize] = place;
+                }
+                endpoints.iter_mut().flatten().for_each(|node| *node = moved[*node as usize]);
+            }
+            endpoints.push(self.search_stage(search, stage, seed, observer)?);
+        }
         report(observer, Work::Radii, 0.0)?;
         let skeleton = skeleton(search)?;
         let radii = self.radius.radii(&skeleton)?;
         let skeleton = skeleton.with_radii(radii)?;
         report(observer, Work::Radii, 1.0)?;
-        Ok(Growth { skeleton, nodes: search.tree().to_vec(), endpoints })
+        Ok(Growth { skeleton, nodes: search.tree().to_vec(), endpoints, graph: search.finer_graph() })
     }
 
     /// One stage alone: searches from the tree in `search`, adds the paths to the endpoints and returns those.
     /// Costs and vectors of the stage can be read from `search` until the next one begins. After an error the tree
-    /// in `search` is what it was.
+    /// in `search` is what it was, on the finer graph if the stage refines.
     ///
     /// # Errors
     /// As `synthesize`, [`SynthesisError::Cancelled`], and a parameter error when there is no such stage.
@@ -285,10 +312,37 @@ impl TreeSynth {
         seed: u64,
         observer: &dyn Observer,
     ) -> Result<Vec<u32>, SynthesisError> {
+        self.refine(search, stage, seed, observer)?;
+        self.search_stage(search, stage, seed, observer)
+    }
+
+    fn numbered(&self, stage: usize) -> Result<&Stage, ParameterError> {
         let stages = self.stages.len();
-        let Stage { rule, weight, endpoints } = self.stages.get(stage).ok_or_else(|| {
-            ParameterError::new("stage", stage, format!("below the number of stages, {stages}"))
-        })?;
+        let range = || format!("below the number of stages, {stages}");
+        self.stages.get(stage).ok_or_else(|| ParameterError::new("stage", stage, range()))
+    }
+
+    /// The new node of each place of the tree, if the stage refines.
+    fn refine(
+        &self,
+        search: &mut Search<'_>,
+        stage: usize,
+        seed: u64,
+        observer: &dyn Observer,
+    ) -> Result<Option<Vec<u32>>, SynthesisError> {
+        let refinement = self.numbered(stage)?.refinement.as_ref();
+        refinement.map(|refinement| refinement.apply(search, stage, seed, observer)).transpose()
+    }
+
+    fn search_stage(
+        &self,
+        search: &mut Search<'_>,
+        stage: usize,
+        seed: u64,
+        observer: &dyn Observer,
+    ) -> Result<Vec<u32>, SynthesisError> {
+        let stages = self.stages.len();
+        let Stage { rule, weight, endpoints, .. } = self.numbered(stage)?;
         search.forget();
         let before = search.source_vectors();
         let terms = Terms { rule: &**rule, weight: &**weight, stage, stages, seed, observer };
@@ -318,7 +372,7 @@ impl TreeSynth {
 }
 
 /// The tree so far as a skeleton without radii.
-fn skeleton(search: &Search<'_>) -> Result<Skeleton, SkeletonError> {
+pub(super) fn skeleton(search: &Search<'_>) -> Result<Skeleton, SkeletonError> {
     let tree = search.tree();
     let positions = tree.iter().map(|&node| search.graph().position(node)).collect();
     let parents = tree

@@ -132,6 +132,14 @@ pub trait Shape: Send + Sync {
         lattice_volume(self.bounds(), |point| self.contains(point))
     }
 
+    /// Whether a point of the shape may lie in `bounds`. The default says yes.
+    ///
+    /// Saying no where the shape is not saves looking there; saying no where it is leaves a hole in a graph.
+    fn touches(&self, bounds: Bounds) -> bool {
+        let _ = bounds;
+        true
+    }
+
     /// A point of the shape, each part of it as likely as its volume; `None` if none was found.
     ///
     /// The default draws from the bounds until `contains` agrees, at most 65,536 times: expected cost
@@ -164,6 +172,9 @@ macro_rules! forward {
                 (**self).check()
             }
 
+            fn touches(&self, bounds: Bounds) -> bool {
+                (**self).touches(bounds)
+            }
             fn volume(&self) -> f32 {
                 (**self).volume()
             }

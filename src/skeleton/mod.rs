@@ -1,6 +1,7 @@
 //! The hinge: what every synthesizer ends in and everything else starts from.
 
 mod branch;
+mod relax;
 
 pub use branch::{Branch, Branches, Children};
 

@@ -4,14 +4,12 @@
 //! |---|---|
 //! | [`Tubes`] | a generalized cylinder along each branch: fast, exact radii, branches stuck into what bears them |
 //!
-//! [`relax`] takes the kinks out of a skeleton first. All builders end in a [`Mesh`].
+//! [`Skeleton::relaxed`](crate::Skeleton::relaxed) takes the kinks out of a skeleton first. All builders end in a [`Mesh`].
 
 mod mesh;
-mod relax;
 mod tube;
 
 pub use mesh::{Mesh, MeshError};
-pub use relax::relax;
 pub use tube::Tubes;
 
 use crate::ParameterError;

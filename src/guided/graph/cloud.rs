@@ -48,8 +48,8 @@ impl Edges {
     /// `positions` must be finite.
     fn link(self, positions: Vec<Vec3>, root: u32, observer: &dyn Observer) -> Result<Graph, GraphError> {
         let Adjacency { starts, targets } = match self {
-            Self::Yao(count) => yao(&positions, &Sectors::new(count, false), observer)?,
-            Self::PlanarYao(count) => yao(&positions, &Sectors::new(count, true), observer)?,
+            Self::Yao(count) => yao(&positions, &Sectors::new(count, false), None, observer)?,
+            Self::PlanarYao(count) => yao(&positions, &Sectors::new(count, true), None, observer)?,
             Self::Nearest(count) => nearest(&positions, count, observer)?,
         };
         let graph = Graph::from_parts(positions, starts, targets, root);

@@ -2,11 +2,14 @@
 
 mod bvh;
 mod cloud;
+mod local;
 mod poisson;
 mod sectors;
+mod tiles;
 mod yao;
 
 pub use cloud::{Edges, Lattice, PointCloud};
+pub(super) use local::around_tree;
 pub use poisson::PoissonYao;
 
 use crate::observer::{Cancelled, Observer};

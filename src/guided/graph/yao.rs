@@ -17,23 +17,27 @@ pub(super) struct Adjacency {
     pub(super) targets: Vec<u32>,
 }
 
-/// The Yao graph of `positions`, which must be finite and distinct. Ties go to the lower number.
+/// The Yao graph of `positions`, which must be finite and distinct. Ties go to the lower number. Edges longer than
+/// `longest` metres are left out.
 ///
 /// Nodes in the surrounding cells of a lattice settle nearly all sectors; what they leave open, mostly sectors
 /// that look out of the region, is searched in a hierarchy of boxes. O(n log n) for points spread evenly.
 pub(super) fn yao(
     positions: &[Vec3],
     sectors: &Sectors,
+    longest: Option<f32>,
     observer: &dyn Observer,
 ) -> Result<Adjacency, Cancelled> {
     report(observer, Work::Edges, 0.0)?;
-    let cells = Cells::new(positions);
+    // Five cells, of which two lie to each side of a node's own, then reach as far as an edge may.
+    let cells = Cells::new(positions, longest.map(|longest| longest * 0.5));
     let search = Search {
         positions,
         sectors,
         half_spaces: (0..sectors.count()).map(|sector| sectors.half_spaces(sector)).collect(),
         bvh: Bvh::new(positions),
         cells,
+        longest: longest.map_or(f32::INFINITY, |longest| longest * longest),
     };
     let mut all = Adjacency {
         starts: Vec::with_capacity(positions.len() + 1),
@@ -62,6 +66,8 @@ struct Search<'a> {
     half_spaces: Vec<Vec<Vec3>>,
     bvh: Bvh<'a>,
     cells: Option<Cells>,
+    /// Square of the longest edge.
+    longest: f32,
 }
 
 /// The nearest node of each sector so far: squared distance and number in one key. The bits of floats that are not
@@ -119,7 +125,8 @@ impl Search<'_> {
                 Sectors::Octants => self.nearest(node as u32, octant),
                 sectors => self.nearest(node as u32, |d| sectors.of(d)),
             };
-            let found = nearest.keys[..nearest.count].iter().filter(|&&key| key != NONE);
+            let far = NONE.min(u64::from(self.longest.to_bits()) << 32 | u64::from(u32::MAX));
+            let found = nearest.keys[..nearest.count].iter().filter(|&&key| key < far);
             part.targets.extend(found.map(|&key| key as u32));
             part.starts.push(part.targets.len() as u32);
         }
@@ -144,7 +151,7 @@ impl Search<'_> {
         let rounding = if octants { 0.0 } else { 1e-5 };
         for sector in 0..nearest.count {
             let best = nearest.get(sector);
-            if best.0 <= searched {
+            if best.0 <= searched || self.longest <= searched {
                 continue;
             }
             let outside = |min: Vec3, max: Vec3| {
@@ -172,8 +179,9 @@ struct Cells {
 }
 
 impl Cells {
-    /// `None` where points are too uneven for a lattice.
-    fn new(positions: &[Vec3]) -> Option<Self> {
+    /// Cells of the given side, or one that makes for about three points a cell. `None` where points are too uneven
+    /// for a lattice.
+    fn new(positions: &[Vec3], given: Option<f32>) -> Option<Self> {
         let (min, max) = positions
             .iter()
             .fold((Vec3::INFINITY, Vec3::NEG_INFINITY), |(min, max), &p| (min.min(p), max.max(p)));
@@ -183,8 +191,14 @@ impl Cells {
         if !(side > 0.0 && side.is_finite()) {
             return None;
         }
-        while cells_at(side).element_product() < positions.len() as f32 * 0.35 {
-            side *= 0.95;
+        if let Some(given) =
+            given.filter(|&given| cells_at(given).element_product() < 16.0 * positions.len() as f32)
+        {
+            side = given;
+        } else {
+            while cells_at(side).element_product() < positions.len() as f32 * 0.35 {
+                side *= 0.95;
+            }
         }
         let dims = cells_at(side).to_array().map(|n| n as i32);
         let cells = dims.iter().map(|&n| n as usize).product::<usize>();
@@ -314,7 +328,7 @@ mod tests {
     }
 
     fn holds(positions: &[Vec3], sectors: &Sectors) {
-        let found = yao(positions, sectors, &Silent).unwrap();
+        let found = yao(positions, sectors, None, &Silent).unwrap();
         for (node, expected) in brute_force(positions, sectors).into_iter().enumerate() {
             let range = found.starts[node] as usize..found.starts[node + 1] as usize;
             assert_eq!(found.targets[range], expected, "node {node}, {sectors:?}");

@@ -1,0 +1,301 @@
+//! A stage on a finer graph, which exists only around the tree so far.
+//!
+//! Section 4 of the paper calls the memory of one fine graph "likely the largest limitation" and section 5 wants "a
+//! hierarchical or variable-resolution graph". Here memory grows with the tree, not with the space.
+
+use super::graph::around_tree;
+use super::search::Search;
+use super::synth::{SynthesisError, skeleton};
+use crate::observer::Observer;
+use crate::parameter::ParameterError;
+use crate::random::{Purpose, derive};
+use crate::shape::{Bounds, Shape};
+use crate::skeleton::Skeleton;
+use glam::{IVec3, Vec3};
+use std::sync::Arc;
+
+/// Has a stage run on a finer graph of its own, and the stages after it too, until one refines again.
+///
+/// The tree so far is relaxed a little, carried over along a smooth curve (Catmull-Rom) and divided anew at the finer
+/// spacing: its nodes are fixed nodes of the new graph and its internodes edges. Around it, within a reach of some
+/// hops and inside a region, new nodes are placed as in [`PoissonYao`](super::PoissonYao), linked to the nearest
+/// node in each octant within three spacings. Policies and rules see the same traits as ever; lengths of hops
+/// shrink with the spacing.
+///
+/// Memory: about 100 bytes a node of the new graph. Time: as for a graph and a search of that many nodes.
+#[derive(Clone)]
+pub struct Refinement {
+    region: Arc<dyn Shape>,
+    spacing: f32,
+    reach: u32,
+    relaxation: u32,
+}
+
+impl std::fmt::Debug for Refinement {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("Refinement")
+            .field("spacing", &self.spacing)
+            .field("reach", &self.reach)
+            .field("relaxation", &self.relaxation)
+            .finish_non_exhaustive()
+    }
+}
+
+/// Metres of way a hop makes good, in spacings; edges of the Yao graph are 1.25 spacings long on average.
+const HOP: f32 = 1.3;
+/// The longest edge of the finer graph, in spacings: no edge leaps from one limb's surroundings to another's.
+const LONGEST: f32 = 3.0;
+/// Length of the parts the tree is divided into, in spacings.
+const PART: f32 = 1.2;
+/// Voxels of the reach, in spacings, and the most of them.
+const VOXEL: f32 = 2.0;
+const MAX_VOXELS: f32 = 2e9;
+
+impl Refinement {
+    /// A graph of nodes `spacing` metres apart, in what of `region` lies within 6 hops of the tree; the tree's kinks
+    /// relaxed in two passes.
+    pub fn new(region: impl Shape + 'static, spacing: f32) -> Self {
+        Self { region: Arc::new(region), spacing, reach: 6, relaxation: 2 }
+    }
+
+    /// The reach in hops of the finer graph, in [1, 1000]: those of the stage's endpoint surface and a margin of two
+    /// or so, for paths to bend in.
+    pub fn with_reach(mut self, hops: u32) -> Self {
+        self.reach = hops;
+        self
+    }
+
+    /// Passes of [`Skeleton::relaxed`], half way each, at most 1000.
+    pub fn with_relaxation(mut self, passes: u32) -> Self {
+        self.relaxation = passes;
+        self
+    }
+
+    pub(super) fn check(&self) -> Result<(), ParameterError> {
+        self.region.check()?;
+        let fits = self.spacing > 0.0 && self.spacing.is_finite();
+        ParameterError::unless(fits, "Refinement.spacing", self.spacing, "finite and above 0 m")?;
+        ParameterError::unless(
+            (1..=1000).contains(&self.reach),
+            "Refinement.reach",
+            self.reach,
+            "in [1, 1000] hops",
+        )?;
+        ParameterError::unless(
+            self.relaxation <= 1000,
+            "Refinement.relaxation",
+            self.relaxation,
+            "at most 1000 passes",
+        )
+    }
+
+    /// Puts the tree of `search` on a finer graph. Returns the new node of each place of the old tree.
+    pub(super) fn apply(
+        &self,
+        search: &mut Search<'_>,
+        stage: usize,
+        seed: u64,
+        observer: &dyn Observer,
+    ) -> Result<Vec<u32>, SynthesisError> {
+        let vectors: Vec<Vec3> = search.source_vectors();
+        let tree = skeleton(search)?.relaxed(0.5, self.relaxation)?;
+        let carried = carry(&tree, &vectors, self.spacing);
+        let reach = Reach::new(
+            &*self.region,
+            &carried.positions,
+            self.spacing,
+            self.reach as f32 * HOP * self.spacing,
+        )?;
+        let seed = derive(seed, stage as u32, Purpose::NODES);
+        let graph = around_tree(
+            &reach,
+            &carried.positions,
+            &carried.parents,
+            self.spacing,
+            LONGEST * self.spacing,
+            seed,
+            observer,
+        )?;
+        let places = carried.places.clone();
+        search.adopt(graph, &carried);
+        Ok(places)
+    }
+}
+
+/// A tree divided anew. Its nodes are the first of the finer graph, in this order.
+pub(super) struct Carried {
+    pub(super) positions: Vec<Vec3>,
+    /// The root's is itself.
+    pub(super) parents: Vec<u32>,
+    pub(super) stages: Vec<u16>,
+    pub(super) vectors: Vec<Vec3>,
+    pub(super) hops: Vec<u32>,
+    /// The new node of each old one.
+    places: Vec<u32>,
+}
+
+fn carry(tree: &Skeleton, vectors: &[Vec3], spacing: f32) -> Carried {
+    let mut carried = Carried {
+        positions: vec![tree.positions()[0]],
+        parents: vec![0],
+        stages: vec![0],
+        vectors: vec![vectors[0]],
+        hops: vec![0],
+        places: vec![0; tree.len()],
+    };
+    for branch in tree.branches().iter() {
+        let nodes = branch.nodes();
+        let at = |i: isize| {
+            let last = nodes.len() as isize - 1;
+            let node = |i: isize| tree.positions()[nodes[i.clamp(0, last) as usize] as usize];
+            // Beyond its ends the curve goes straight on.
+            match i {
+                _ if i < 0 => node(0) * 2.0 - node(1),
+                _ if i > last => node(last) * 2.0 - node(last - 1),
+                _ => node(i),
+            }
+        };
+        for i in 0..nodes.len() as isize - 1 {
+            let (from, to) = (nodes[i as usize] as usize, nodes[i as usize + 1] as usize);
+            let parts = (at(i).distance(at(i + 1)) / (PART * spacing)).round().max(1.0) as u32;
+            for part in 1..=parts {
+                let t = part as f32 / parts as f32;
+                let parent = match part {
+                    1 => carried.places[from],
+                    _ => carried.positions.len() as u32 - 1,
+                };
+                let position = if part == parts {
+                    at(i + 1)
+                } else {
+                    catmull_rom([at(i - 1), at(i), at(i + 1), at(i + 2)], t)
+                };
+                carried.add(parent, position, tree.stages()[to], vectors[from].lerp(vectors[to], t));
+            }
+            carried.places[to] = carried.positions.len() as u32 - 1;
+        }
+    }
+    carried
+}
+
+impl Carried {
+    fn add(&mut self, parent: u32, position: Vec3, stage: u16, vector: Vec3) {
+        let before = parent as usize;
+        let goes_on = parent != 0 && self.stages[before] == stage;
+        self.hops.push(if goes_on { self.hops[before] + 1 } else { 1 });
+        self.vectors.push(vector.normalize_or(self.vectors[before]));
+        self.positions.push(position);
+        self.parents.push(parent);
+        self.stages.push(stage);
+    }
+}
+
+/// The uniform Catmull-Rom curve from `p[1]` to `p[2]` (Catmull and Rom 1974).
+fn catmull_rom(p: [Vec3; 4], t: f32) -> Vec3 {
+    let [a, b, c, d] = p;
+    (b * 2.0
+        + (c - a) * t
+        + (a * 2.0 - b * 5.0 + c * 4.0 - d) * (t * t)
+        + (b * 3.0 - a - c * 3.0 + d) * (t * t * t))
+        * 0.5
+}
+
+/// What of a region lies near some nodes, to the precision of voxels.
+struct Reach<'a> {
+    region: &'a dyn Shape,
+    origin: Vec3,
+    side: f32,
+    dims: IVec3,
+    /// A bit a voxel.
+    voxels: Vec<u64>,
+    count: usize,
+}
+
+impl<'a> Reach<'a> {
+    fn new(
+        region: &'a dyn Shape,
+        nodes: &[Vec3],
+        spacing: f32,
+        distance: f32,
+    ) -> Result<Self, ParameterError> {
+        let side = VOXEL * spacing;
+        let bounds = Bounds::of(nodes.iter().copied()).grown(distance + side);
+        let cells = (bounds.size() / side).ceil() + Vec3::ONE;
+        ParameterError::unless(
+            cells.element_product() <= MAX_VOXELS && cells.max_element() <= 1e5,
+            "Refinement.spacing",
+            spacing,
+            "coarse enough for at most 16 billion discs in the box around the tree",
+        )?;
+        let dims = cells.as_ivec3();
+        let mut reach = Self {
+            region,
+            origin: bounds.min,
+            side,
+            dims,
+            voxels: vec![0; (cells.element_product() as usize).div_ceil(64) + 1],
+            count: 0,
+        };
+        let around = (distance / side).ceil() as i32;
+        let offsets: Vec<IVec3> = cube(-IVec3::splat(around), IVec3::splat(around))
+            .filter(|offset| offset.as_vec3().length() * side <= distance)
+            .collect();
+        for &node in nodes {
+            let center = reach.voxel(node);
+            for &offset in &offsets {
+                reach.mark(center + offset);
+            }
+        }
+        Ok(reach)
+    }
+
+    fn voxel(&self, point: Vec3) -> IVec3 {
+        ((point - self.origin) / self.side).floor().as_ivec3()
+    }
+
+    fn index(&self, voxel: IVec3) -> Option<usize> {
+        let inside = voxel.cmpge(IVec3::ZERO).all() && voxel.cmplt(self.dims).all();
+        inside.then(|| {
+            let [x, y, z] = voxel.to_array().map(|i| i as usize);
+            (z * self.dims.y as usize + y) * self.dims.x as usize + x
+        })
+    }
+
+    fn mark(&mut self, voxel: IVec3) {
+        if let Some(index) = self.index(voxel) {
+            let bit = 1 << (index % 64);
+            self.count += usize::from(self.voxels[index / 64] & bit == 0);
+            self.voxels[index / 64] |= bit;
+        }
+    }
+
+    fn holds(&self, voxel: IVec3) -> bool {
+        self.index(voxel).is_some_and(|index| self.voxels[index / 64] >> (index % 64) & 1 == 1)
+    }
+}
+
+impl Shape for Reach<'_> {
+    fn contains(&self, point: Vec3) -> bool {
+        self.holds(self.voxel(point)) && self.region.contains(point)
+    }
+
+    fn bounds(&self) -> Bounds {
+        Bounds::new(self.origin, self.origin + self.dims.as_vec3() * self.side)
+    }
+
+    fn volume(&self) -> f32 {
+        self.count as f32 * self.side * self.side * self.side
+    }
+
+    fn touches(&self, bounds: Bounds) -> bool {
+        let low = self.voxel(bounds.min).max(IVec3::ZERO);
+        let high = self.voxel(bounds.max).min(self.dims - 1);
+        self.region.touches(bounds) && cube(low, high).any(|voxel| self.holds(voxel))
+    }
+}
+
+/// All cells from `low` to `high`, both included.
+fn cube(low: IVec3, high: IVec3) -> impl Iterator<Item = IVec3> {
+    (low.z..=high.z).flat_map(move |z| {
+        (low.y..=high.y).flat_map(move |y| (low.x..=high.x).map(move |x| IVec3::new(x, y, z)))
+    })
+}
