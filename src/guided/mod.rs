@@ -3,6 +3,8 @@
 //! After Xu and Mould 2015, "Procedural Tree Modeling with Guiding Vectors"; sections and figures named in this
 //! module are that paper's.
 //!
+//! Beyond the paper, a stage with a [`Refinement`] runs on a finer graph around the tree so far.
+//!
 //! [`TreeSynth`] composes a [`GraphBuilder`], a list of [`Stage`]s, each with a [`GuidingRule`], a [`WeightFn`] and
 //! an [`EndpointPolicy`], and a [`RadiusModel`](crate::RadiusModel).
 

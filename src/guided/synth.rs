@@ -94,7 +94,7 @@ impl std::fmt::Debug for TreeSynth {
 }
 
 /// A tree, and how it lies in its graph.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
 pub struct Growth {
     /// The tree.

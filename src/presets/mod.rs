@@ -1,4 +1,4 @@
-//! The trees of the paper's figures, by name.
+//! The trees of the paper's figures, by name, and some that refine their graphs between stages.
 //!
 //! After Xu and Mould 2015, "Procedural Tree Modeling with Guiding Vectors". Angles, hops, exclusion zones and
 //! counts are the paper's where it gives them; heights (about 10 m), crowns and the rest are chosen so that the
@@ -14,6 +14,7 @@
 //! ```
 
 mod comparison;
+mod fine;
 mod plane;
 mod rotation;
 mod variety;
@@ -33,7 +34,7 @@ pub const TYPICAL_NODES: usize = 150_000;
 pub struct Preset {
     /// Its name: the figure, two digits, then the tree in it, e.g. `figure-06c`.
     pub name: &'static str,
-    /// The number of the figure.
+    /// The number of the figure; 0 beyond the paper.
     pub figure: u8,
     /// What the tree shows.
     pub caption: &'static str,
@@ -79,9 +80,9 @@ impl Preset {
     }
 }
 
-/// All presets, in the order of the figures.
+/// All presets, in the order of the figures, then those beyond the paper.
 pub fn all() -> impl Iterator<Item = &'static Preset> {
-    [plane::PRESETS, rotation::PRESETS, volume::PRESETS, variety::PRESETS, comparison::PRESETS]
+    [plane::PRESETS, rotation::PRESETS, volume::PRESETS, variety::PRESETS, comparison::PRESETS, fine::PRESETS]
         .into_iter()
         .flatten()
 }
@@ -97,9 +98,12 @@ const fn degrees(angle: f32) -> f32 {
 
 /// A graph in a box on the ground, `width` and `height` in metres.
 fn graph(width: f32, height: f32, nodes: usize) -> PoissonYao {
+    PoissonYao::new(region(width, height)).with_nodes(nodes)
+}
+
+fn region(width: f32, height: f32) -> Cuboid {
     let half = width * 0.5;
-    PoissonYao::new(Cuboid::new(Vec3::new(-half, 0.0, -half), Vec3::new(half, height, half)))
-        .with_nodes(nodes)
+    Cuboid::new(Vec3::new(-half, 0.0, -half), Vec3::new(half, height, half))
 }
 
 /// No stages yet; radii by the pipe model, tapered, for a trunk so many metres across.

@@ -4,8 +4,8 @@ use super::strategies::{Region, regions};
 use crate::field::Helix;
 use crate::guided::{
     Bend, BendAxis, Blend, ByHeight, Count, EndpointPolicy, FollowField, Guided, GuidedPower, GuidingRule,
-    HopSurface, InShape, Jitter, Length, Multimodal, NearestTo, PoissonYao, Side, SourceElevation, Stage,
-    TreeSynth, WeightFn, Within,
+    HopSurface, InShape, Jitter, Length, Multimodal, NearestTo, PoissonYao, Refinement, Side,
+    SourceElevation, Stage, TreeSynth, WeightFn, Within,
 };
 use crate::radius::{PipeModel, Taper, Variational};
 use crate::shape::Sphere;
@@ -48,6 +48,8 @@ pub struct StageOptions {
     pub randomness: f32,
     /// Only lower or only higher than the source.
     pub side: Option<Side>,
+    /// Whether the stage refines the graph, to this share of the spacing.
+    pub refinement: Option<f32>,
 }
 
 /// The guiding rules of the crate.
@@ -117,7 +119,7 @@ impl WeightOption {
 }
 
 impl StageOptions {
-    fn stage(&self, region: &Region) -> Stage {
+    fn stage(&self, region: &Region, spacing: f32) -> Stage {
         let count = Count::UpTo(self.count);
         let endpoints: Box<dyn EndpointPolicy> = match self.hops {
             0 if self.count.is_multiple_of(2) => Box::new(InShape::uniform(region.clone(), count)),
@@ -133,7 +135,13 @@ impl StageOptions {
             }
             _ => Box::new(NearestTo::new(Vec3::Y * self.outermost * 4.0)),
         };
-        Stage::new(self.rule.rule(), endpoints).with_weight(self.weight.weight())
+        let stage = Stage::new(self.rule.rule(), endpoints).with_weight(self.weight.weight());
+        match self.refinement {
+            Some(share) => {
+                stage.with_refinement(Refinement::new(region.clone(), spacing * share).with_reach(4))
+            }
+            None => stage,
+        }
     }
 }
 
@@ -147,10 +155,13 @@ impl Options {
     /// The pipeline. Synthesis may end with [`SynthesisError::Endpoints`](crate::SynthesisError), for a random
     /// stage may find no candidate; with no other error.
     pub fn synth(&self) -> TreeSynth {
+        let builder = self.builder();
+        // An error here is one of `check`, which synthesis reports.
+        let spacing = builder.spacing().unwrap_or(f32::NAN);
         let synth = self
             .stages
             .iter()
-            .fold(TreeSynth::new(self.builder()), |synth, stage| synth.stage(stage.stage(&self.region)));
+            .fold(TreeSynth::new(builder), |synth, stage| synth.stage(stage.stage(&self.region, spacing)));
         match self.radius {
             0 => synth,
             1 => synth
@@ -184,8 +195,9 @@ pub fn options() -> impl Strategy<Value = Options> {
     ];
     let side = prop_oneof![4 => Just(None), 1 => Just(Some(Side::Lower)), 1 => Just(Some(Side::Higher))];
     let randomness = prop_oneof![3 => Just(0f32), 1 => 0f32..0.9];
-    let stage = (rule, weight, 0u32..6, 0.05f32..=1.0, 1usize..60, randomness, side).prop_map(
-        |(rule, weight, hops, outermost, count, randomness, side)| StageOptions {
+    let refinement = prop_oneof![4 => Just(None), 1 => (0.5f32..0.9).prop_map(Some)];
+    let stage = (rule, weight, 0u32..6, 0.05f32..=1.0, 1usize..60, randomness, side, refinement).prop_map(
+        |(rule, weight, hops, outermost, count, randomness, side, refinement)| StageOptions {
             rule,
             weight,
             hops,
@@ -193,6 +205,7 @@ pub fn options() -> impl Strategy<Value = Options> {
             count,
             randomness,
             side,
+            refinement,
         },
     );
     let sectors = prop_oneof![4 => Just(8usize), 1 => 6usize..20];

@@ -12,5 +12,7 @@ mod layers;
 mod mint_vectors;
 mod oracles;
 mod outside;
+#[cfg(feature = "testing")]
+mod refinement;
 mod sample;
 mod stability;
