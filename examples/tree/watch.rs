@@ -49,7 +49,11 @@ impl Observer for Watch {
             && let Ok(mut state) = self.state.lock()
         {
             let (since, steps) = &mut *state;
-            steps.push((name, since.elapsed()));
+            // A stage that refines places nodes and edges again.
+            match steps.iter_mut().find(|(step, _)| *step == name) {
+                Some((_, time)) => *time += since.elapsed(),
+                None => steps.push((name, since.elapsed())),
+            }
             *since = Instant::now();
         }
         ControlFlow::Continue(())
