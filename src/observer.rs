@@ -8,7 +8,7 @@ use std::ops::ControlFlow;
 /// hundred a second at the most.
 ///
 /// Contract: return quickly, for the work waits. After `Break` the work ends with its error `Cancelled`, and
-/// nothing it was given has changed.
+/// what it was given can be used again: a graph is unchanged, a search has its tree of before the stage.
 ///
 /// ```
 /// use std::{ops::ControlFlow, sync::Mutex};

@@ -23,6 +23,21 @@ use std::sync::Arc;
 /// shrink with the spacing.
 ///
 /// Memory: about 100 bytes a node of the new graph. Time: as for a graph and a search of that many nodes.
+///
+/// ```
+/// use treesynth::glam::Vec3;
+/// use treesynth::guided::{Bend, HopSurface, NearestTo, PoissonYao, Refinement, Stage, TreeSynth};
+/// use treesynth::shape::Cuboid;
+///
+/// let region = Cuboid::new(Vec3::new(-2.0, 0.0, -2.0), Vec3::new(2.0, 5.0, 2.0));
+/// let twigs = Stage::new(Bend::piecewise(0.5, 0.0, 1), HopSurface::new(4, 100));
+/// let tree = TreeSynth::new(PoissonYao::new(region).with_spacing(0.3))
+///     .stage(Stage::new(Bend::none(), NearestTo::new(Vec3::Y * 3.0)))
+///     .stage(twigs.with_refinement(Refinement::new(region, 0.15)))
+///     .synthesize(1)?;
+/// assert!(tree.tips().count() > 50);
+/// # Ok::<(), treesynth::SynthesisError>(())
+/// ```
 #[derive(Clone)]
 pub struct Refinement {
     region: Arc<dyn Shape>,
@@ -50,15 +65,21 @@ const PART: f32 = 1.2;
 /// Voxels of the reach, in spacings, and the most of them.
 const VOXEL: f32 = 2.0;
 const MAX_VOXELS: f32 = 2e9;
+/// The most parts of a tree and nodes around it.
+const MAX_PARTS: f32 = 2e7;
+const MAX_NODES: f32 = 2e8;
+/// Nodes in a cube of the spacing.
+const DENSITY: f32 = 0.67;
 
 impl Refinement {
     /// A graph of nodes `spacing` metres apart, in what of `region` lies within 6 hops of the tree; the tree's kinks
-    /// relaxed in two passes.
+    /// relaxed in two passes. The region holds the root. Half the spacing of the graph before is a good step; a
+    /// wider one than before is allowed and makes the graph coarser. At most 2e7 parts of the tree and 2e8 nodes.
     pub fn new(region: impl Shape + 'static, spacing: f32) -> Self {
         Self { region: Arc::new(region), spacing, reach: 6, relaxation: 2 }
     }
 
-    /// The reach in hops of the finer graph, in [1, 1000]: those of the stage's endpoint surface and a margin of two
+    /// The reach in hops of the finer graph, in [1, 24]: those of the stage's endpoint surface and a margin of two
     /// or so, for paths to bend in.
     pub fn with_reach(mut self, hops: u32) -> Self {
         self.reach = hops;
@@ -76,10 +97,10 @@ impl Refinement {
         let fits = self.spacing > 0.0 && self.spacing.is_finite();
         ParameterError::unless(fits, "Refinement.spacing", self.spacing, "finite and above 0 m")?;
         ParameterError::unless(
-            (1..=1000).contains(&self.reach),
+            (1..=24).contains(&self.reach),
             "Refinement.reach",
             self.reach,
-            "in [1, 1000] hops",
+            "in [1, 24] hops",
         )?;
         ParameterError::unless(
             self.relaxation <= 1000,
@@ -99,12 +120,32 @@ impl Refinement {
     ) -> Result<Vec<u32>, SynthesisError> {
         let vectors: Vec<Vec3> = search.source_vectors();
         let tree = skeleton(search)?.relaxed(0.5, self.relaxation)?;
+        let root = tree.positions()[0];
+        ParameterError::unless(
+            self.region.contains(root),
+            "Refinement.region",
+            self.region.bounds(),
+            "a shape that holds the root of the tree",
+        )?;
+        let length: f32 = tree.edges().map(|(a, b)| tree.positions()[a].distance(tree.positions()[b])).sum();
+        ParameterError::unless(
+            length / self.spacing <= MAX_PARTS,
+            "Refinement.spacing",
+            self.spacing,
+            "coarse enough to divide the tree into at most 20000000 parts",
+        )?;
         let carried = carry(&tree, &vectors, self.spacing);
         let reach = Reach::new(
             &*self.region,
             &carried.positions,
             self.spacing,
             self.reach as f32 * HOP * self.spacing,
+        )?;
+        ParameterError::unless(
+            reach.volume() * DENSITY <= MAX_NODES * self.spacing * self.spacing * self.spacing,
+            "Refinement.spacing",
+            self.spacing,
+            "coarse enough for at most 200000000 nodes within reach of the tree",
         )?;
         let seed = derive(seed, stage as u32, Purpose::NODES);
         let graph = around_tree(

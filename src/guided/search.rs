@@ -20,7 +20,7 @@ const REPORT_EVERY: usize = 1 << 14;
 ///
 /// A tree begins as the root alone. Each stage searches paths from all nodes of the tree, and the paths to some
 /// endpoints become part of it. A value can be used for many trees on one graph: what it holds is allocated once,
-/// 28 bytes a node.
+/// 28 bytes a node; a refinement brings a graph and memory of its own.
 #[derive(Debug, Clone)]
 pub struct Search<'g> {
     /// The graph that every new tree begins in.

@@ -301,7 +301,7 @@ impl TreeSynth {
 
     /// One stage alone: searches from the tree in `search`, adds the paths to the endpoints and returns those.
     /// Costs and vectors of the stage can be read from `search` until the next one begins. After an error the tree
-    /// in `search` is what it was, on the finer graph if the stage refines.
+    /// in `search` is what it was.
     ///
     /// # Errors
     /// As `synthesize`, [`SynthesisError::Cancelled`], and a parameter error when there is no such stage.
@@ -312,8 +312,18 @@ impl TreeSynth {
         seed: u64,
         observer: &dyn Observer,
     ) -> Result<Vec<u32>, SynthesisError> {
-        self.refine(search, stage, seed, observer)?;
-        self.search_stage(search, stage, seed, observer)
+        let numbered = self.numbered(stage)?;
+        numbered.check()?;
+        if numbered.refinement.is_none() {
+            return self.search_stage(search, stage, seed, observer);
+        }
+        let before = search.clone();
+        let refined = self.refine(search, stage, seed, observer);
+        let result = refined.and_then(|_| self.search_stage(search, stage, seed, observer));
+        if result.is_err() {
+            *search = before;
+        }
+        result
     }
 
     fn numbered(&self, stage: usize) -> Result<&Stage, ParameterError> {

@@ -84,7 +84,7 @@ impl<'a> Branch<'a> {
     }
 }
 
-/// The branches of a skeleton; see [`Skeleton::branches`].
+/// The branches of a skeleton, to be iterated over; see [`Skeleton::branches`].
 #[derive(Debug, Clone)]
 pub struct Branches {
     nodes: Vec<u32>,
@@ -132,5 +132,14 @@ impl Branches {
             nodes: &self.nodes[self.starts[i] as usize..self.starts[i + 1] as usize],
             order,
         })
+    }
+}
+
+impl<'a> IntoIterator for &'a Branches {
+    type Item = Branch<'a>;
+    type IntoIter = Box<dyn Iterator<Item = Branch<'a>> + 'a>;
+
+    fn into_iter(self) -> Self::IntoIter {
+        Box::new(self.iter())
     }
 }

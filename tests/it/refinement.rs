@@ -6,7 +6,7 @@ use treesynth::guided::{
     Bend, Count, EndpointError, HopSurface, InShape, NearestTo, PoissonYao, Refinement, Search, Stage,
     StageView, TreeSynth,
 };
-use treesynth::shape::{Cuboid, Ellipsoid};
+use treesynth::shape::{Cuboid, Ellipsoid, Sphere};
 use treesynth::{EndpointPolicy, GraphBuilder, Silent, SynthesisError, testing};
 
 const COARSE: f32 = 0.3;
@@ -159,6 +159,29 @@ fn stages_go_on_as_ever() {
 }
 
 #[test]
+fn a_stage_that_failed_can_be_tried_again() {
+    let twigs = |count: usize| Stage::new(Bend::piecewise(0.5, 0.0, 1), HopSurface::new(3, count));
+    let wanting = |count| limbs().stage(twigs(count).with_refinement(refinement()));
+    let graph = wanting(60).build_graph(3, &Silent).unwrap();
+    let mut search = Search::new(&graph);
+    for stage in 0..2 {
+        wanting(60).grow_stage(&mut search, stage, 3, &Silent).unwrap();
+    }
+    let before = search.tree().to_vec();
+    assert!(wanting(9_999_999).grow_stage(&mut search, 2, 3, &Silent).is_err());
+    assert_eq!((search.tree(), search.graph().nodes()), (&*before, graph.nodes()));
+    let endpoints = wanting(60).grow_stage(&mut search, 2, 3, &Silent).unwrap();
+    let growth = wanting(60).grow(&mut Search::new(&graph), 3, &Silent).unwrap();
+    assert_eq!(endpoints, growth.endpoints[2]);
+    // A single stage is checked as a whole synthesis is.
+    let bad = limbs().stage(twigs(5).with_refinement(Refinement::new(region(), -1.0)));
+    assert!(matches!(bad.grow_stage(&mut search, 2, 3, &Silent), Err(SynthesisError::Parameter(_))));
+    let bad = limbs().stage(Stage::new(Bend::constant(30.0), Nothing));
+    let error = bad.grow_stage(&mut search, 2, 3, &Silent).expect_err("degrees").to_string();
+    assert!(error.contains("Bend.angle is 30"), "{error}");
+}
+
+#[test]
 fn bad_options_are_named() {
     let with = |refinement: Refinement| {
         limbs().stage(Stage::new(Bend::none(), Nothing).with_refinement(refinement)).synthesize(1)
@@ -168,9 +191,13 @@ fn bad_options_are_named() {
         (Refinement::new(region(), -1.0), "Refinement.spacing"),
         (Refinement::new(region(), f32::NAN), "Refinement.spacing"),
         (Refinement::new(region(), f32::INFINITY), "Refinement.spacing"),
+        (Refinement::new(region(), 1e-30), "Refinement.spacing"),
+        (Refinement::new(region(), 1e-9), "Refinement.spacing"),
         (Refinement::new(region(), 1e-5), "Refinement.spacing"),
+        (Refinement::new(region(), 3e-4), "Refinement.spacing"),
+        (Refinement::new(Sphere::new(Vec3::X * 50.0, 1.0), 0.1), "Refinement.region"),
         (refinement().with_reach(0), "Refinement.reach"),
-        (refinement().with_reach(1001), "Refinement.reach"),
+        (refinement().with_reach(25), "Refinement.reach"),
         (refinement().with_relaxation(1001), "Refinement.relaxation"),
     ] {
         match with(refinement) {

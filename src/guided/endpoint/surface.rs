@@ -153,7 +153,8 @@ impl EndpointPolicy for HopSurface {
                 })
             });
         }
-        let count = self.count.of(surface.len(), "on the surface")?;
+        let count =
+            self.count.of(surface.len(), "on the surface that HopSurface.hops, outermost and only leave")?;
         Ok(choose_uniform(surface, count, &mut view.stream()))
     }
 

@@ -124,7 +124,7 @@ pub enum GraphError {
         nodes: usize,
     },
     /// The root lies outside of the region that the nodes are placed in.
-    #[error("the root is at {root}, outside of the region")]
+    #[error("PoissonYao.root is {root}, outside of the region; with_root moves it")]
     RootOutside {
         /// Where the root should be, metres.
         root: Vec3,

@@ -76,13 +76,13 @@ impl PoissonYao {
         }
     }
 
-    /// About so many nodes, within a few percent; at least 2. The spacing follows from the region's volume.
+    /// About so many nodes, within a few percent; in [2, 200000000]. The spacing follows from the region's volume.
     pub fn with_nodes(mut self, nodes: usize) -> Self {
         self.size = Size::Nodes(nodes);
         self
     }
 
-    /// The least distance between two nodes, metres: "the branch feature size and the minimum branch tip
+    /// The least distance between two nodes, metres, above 0 and coarse enough for at most 2e8 nodes: "the branch feature size and the minimum branch tip
     /// spacing".
     pub fn with_spacing(mut self, spacing: f32) -> Self {
         self.size = Size::Spacing(spacing);

@@ -5,6 +5,7 @@ use super::sectors::{Sectors, octant};
 use crate::observer::{Cancelled, Observer, Work, report};
 use crate::parallel;
 use glam::Vec3;
+use std::sync::OnceLock;
 
 /// Nodes a task works on.
 const CHUNK: usize = 2048;
@@ -35,7 +36,7 @@ pub(super) fn yao(
         positions,
         sectors,
         half_spaces: (0..sectors.count()).map(|sector| sectors.half_spaces(sector)).collect(),
-        bvh: Bvh::new(positions),
+        bvh: OnceLock::new(),
         cells,
         longest: longest.map_or(f32::INFINITY, |longest| longest * longest),
     };
@@ -64,7 +65,8 @@ struct Search<'a> {
     positions: &'a [Vec3],
     sectors: &'a Sectors,
     half_spaces: Vec<Vec<Vec3>>,
-    bvh: Bvh<'a>,
+    /// Made when the first sector needs it; where edges are kept short, none does.
+    bvh: OnceLock<Bvh<'a>>,
     cells: Option<Cells>,
     /// Square of the longest edge.
     longest: f32,
@@ -160,9 +162,12 @@ impl Search<'_> {
                     normal.dot(farthest) < -rounding * farthest.abs().max_element()
                 })
             };
-            let (distance, other) = self.bvh.nearest(from, best, outside, |position, other| {
-                other != node && sector_of(position - from) == sector
-            });
+            let (distance, other) = self.bvh.get_or_init(|| Bvh::new(self.positions)).nearest(
+                from,
+                best,
+                outside,
+                |position, other| other != node && sector_of(position - from) == sector,
+            );
             nearest.offer(sector, distance, other);
         }
         nearest

@@ -106,6 +106,9 @@ impl GuidingRule for Bend {
             ParameterError::unless(angle.abs() <= TAU, parameter, angle, "in [-2π, 2π] radians")
         };
         match self.angle {
+            Angle::Piecewise { angles: [first, rest], hops: 0, .. } if first.to_bits() == rest.to_bits() => {
+                angle("Bend.angle", first)
+            }
             Angle::Piecewise { angles: [first, rest], .. } => {
                 angle("Bend.first", first)?;
                 angle("Bend.rest", rest)

@@ -58,7 +58,7 @@ fn roots_outside_of_the_region() {
         let error = TreeSynth::new(builder).stage(trunk()).synthesize(1).expect_err("a root in the air");
         assert_eq!(error, SynthesisError::Graph(GraphError::RootOutside { root }));
         assert!(
-            error.to_string().contains(&format!("the root is at {root}, outside of the region")),
+            error.to_string().contains(&format!("PoissonYao.root is {root}, outside of the region")),
             "{error}"
         );
     }

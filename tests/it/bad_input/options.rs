@@ -167,20 +167,22 @@ fn shapes() {
 #[test]
 fn rules() {
     for angle in and_not_finite(&[6.3, -6.3, 1e30]) {
-        bad_rule(Bend::constant(angle), "Bend.first", angle);
+        bad_rule(Bend::constant(angle), "Bend.angle", angle);
+        bad_rule(Bend::piecewise(angle, 0.0, 0), "Bend.first", angle);
+        bad_rule(Bend::piecewise(0.0, angle, 0), "Bend.rest", angle);
         bad_rule(Bend::piecewise(0.0, angle, 1), "Bend.rest", angle);
         bad_rule(Bend::random(angle, 1.0, 0.0, 1), "Bend.low", angle);
         bad_rule(Bend::random(0.0, angle, 0.0, 1), "Bend.high", angle);
         bad_rule(Bend::random(0.0, 1.0, angle, 1), "Bend.rest", angle);
         bad_rule(Bend::from_axis(angle), "Bend.theta", angle);
         // Inside all that carry a rule.
-        bad_rule(ByHeight::new(1.0, Bend::none(), Bend::constant(angle)), "Bend.first", angle);
-        bad_rule(ByHeight::new(1.0, Bend::constant(angle), Bend::none()), "Bend.first", angle);
-        bad_rule(ByStage::new().then(Bend::none()).then(Bend::constant(angle)), "Bend.first", angle);
-        bad_rule(Blend::new(Bend::none(), Bend::constant(angle), 0.5), "Bend.first", angle);
-        bad_rule(Jitter::new(Bend::constant(angle), 0.1), "Bend.first", angle);
-        bad_rule(SourceElevation::new(Bend::constant(angle), [0.0; 2], [0.0, 1.0]), "Bend.first", angle);
-        bad_rule(Box::new(Bend::constant(angle)) as Box<dyn GuidingRule>, "Bend.first", angle);
+        bad_rule(ByHeight::new(1.0, Bend::none(), Bend::constant(angle)), "Bend.angle", angle);
+        bad_rule(ByHeight::new(1.0, Bend::constant(angle), Bend::none()), "Bend.angle", angle);
+        bad_rule(ByStage::new().then(Bend::none()).then(Bend::constant(angle)), "Bend.angle", angle);
+        bad_rule(Blend::new(Bend::none(), Bend::constant(angle), 0.5), "Bend.angle", angle);
+        bad_rule(Jitter::new(Bend::constant(angle), 0.1), "Bend.angle", angle);
+        bad_rule(SourceElevation::new(Bend::constant(angle), [0.0; 2], [0.0, 1.0]), "Bend.angle", angle);
+        bad_rule(Box::new(Bend::constant(angle)) as Box<dyn GuidingRule>, "Bend.angle", angle);
     }
     bad_rule(Bend::random(1.0, 0.5, 0.0, 1), "Bend.low", 1.0);
     bad_rule(ByStage::new(), "ByStage.rules", 0);
