@@ -134,7 +134,7 @@ impl PoissonYao {
                     nodes,
                     "in [2, 200000000]",
                 )?;
-                let measure = if self.planar { self.area() } else { self.region.volume() };
+                let measure = self.measure();
                 ParameterError::unless(
                     measure > 0.0 && measure.is_finite(),
                     "PoissonYao.region",
@@ -144,7 +144,7 @@ impl PoissonYao {
                 self.spacing_for(nodes as f32, measure)
             }
         };
-        let measure = if self.planar { self.area() } else { self.region.volume() };
+        let measure = self.measure();
         let nodes = self.nodes_at(r, measure);
         ParameterError::unless(
             nodes <= MAX_NODES,
@@ -180,6 +180,11 @@ impl PoissonYao {
 
     fn root_of(&self, x: f32) -> f32 {
         if self.planar { x.sqrt() } else { crate::math::cbrt(x) }
+    }
+
+    /// The region's volume, or its area if planar.
+    fn measure(&self) -> f32 {
+        if self.planar { self.area() } else { self.region.volume() }
     }
 
     /// Area of the region's cut with z = 0, by a lattice of 512 x 512.
@@ -221,7 +226,7 @@ impl GraphBuilder for PoissonYao {
             "in the plane z = 0 of a planar graph",
         )?;
         let spacing = self.spacing()?;
-        let measure = if self.planar { self.area() } else { self.region.volume() };
+        let measure = self.measure();
         let edges = self.nodes_at(spacing, measure) * self.sectors as f32;
         ParameterError::unless(
             edges < MAX_EDGES,
