@@ -10,6 +10,7 @@
 
 mod endpoint;
 mod graph;
+mod queue;
 mod refine;
 mod rule;
 mod search;
@@ -25,4 +26,4 @@ pub use rule::{
 };
 pub use search::{Search, SearchError};
 pub use synth::{Growth, Stage, SynthesisError, TreeSynth};
-pub use weight::{Edge, Guided, GuidedPower, Length, Multimodal, WeightFn, Within};
+pub use weight::{Edge, Guided, GuidedPower, Length, Multimodal, Star, WeightFn, Within};

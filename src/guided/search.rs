@@ -1,13 +1,13 @@
 //! Least-cost paths from the tree so far, with weights fixed lazily (sections 3.1.2 to 3.1.4).
 
 use super::graph::Graph;
+use super::queue::Queue;
 use super::refine::Carried;
 use super::rule::{GuidingRule, Source, Step};
-use super::weight::{Edge, WeightFn};
+use super::weight::{Star, WeightFn};
 use crate::math::UP;
 use crate::observer::{Cancelled, Observer, Work, report};
 use glam::Vec3;
-use std::collections::BinaryHeap;
 use std::ops::Deref;
 use std::sync::Arc;
 
@@ -15,6 +15,8 @@ use std::sync::Arc;
 const NONE: u32 = u32::MAX;
 /// Nodes settled between two reports.
 const REPORT_EVERY: usize = 1 << 14;
+/// Edges whose weights are asked for together.
+const STAR: usize = 8;
 
 /// The search through one graph and the tree that grows in it.
 ///
@@ -36,7 +38,9 @@ pub struct Search<'g> {
     tree: Vec<u32>,
     /// Stage in which each node of `tree` joined.
     stages: Vec<u16>,
-    queue: BinaryHeap<Entry>,
+    queue: Queue,
+    /// A bit a node: the search stops when all of these are settled.
+    wanted: Vec<u64>,
     complete: bool,
 }
 
@@ -137,28 +141,6 @@ impl From<Cancelled> for SearchError {
     }
 }
 
-/// (cost, node) in one number whose order is theirs reversed, for `BinaryHeap` gives the largest first. The bits
-/// of floats that are not negative are in the floats' order.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
-struct Entry(u64);
-
-impl Entry {
-    #[inline]
-    fn new(cost: f32, node: u32) -> Self {
-        Self(!(u64::from(cost.to_bits()) << 32 | u64::from(node)))
-    }
-
-    #[inline]
-    fn node(self) -> u32 {
-        !self.0 as u32
-    }
-
-    #[inline]
-    fn cost(self) -> f32 {
-        f32::from_bits((!self.0 >> 32) as u32)
-    }
-}
-
 /// What a search runs with.
 pub(super) struct Terms<'a> {
     pub(super) rule: &'a dyn GuidingRule,
@@ -181,7 +163,8 @@ impl<'g> Search<'g> {
             place: vec![NONE; nodes],
             tree: Vec::new(),
             stages: Vec::new(),
-            queue: BinaryHeap::new(),
+            queue: Queue::default(),
+            wanted: Vec::new(),
             complete: false,
         };
         search.plant();
@@ -271,25 +254,38 @@ impl<'g> Search<'g> {
                 seed: terms.seed,
             };
             self.guides[node as usize].vector = unit_vector(terms.rule.source(&source), terms.stage, node)?;
-            self.queue.push(Entry::new(0.0, node));
+            self.queue.push(0.0, node);
         }
-        let mut wanted = targets.map(|targets| {
-            let mut open = targets.to_vec();
-            open.sort_unstable();
-            open.dedup();
-            (open.len(), open)
+        self.wanted.clear();
+        self.wanted.resize(self.graph.nodes().div_ceil(64), 0);
+        let mut left = targets.map(|targets| {
+            for &node in targets.iter().filter(|&&node| (node as usize) < self.graph.nodes()) {
+                self.wanted[node as usize / 64] |= 1 << (node % 64);
+            }
+            self.wanted.iter().map(|bits| bits.count_ones()).sum::<u32>()
         });
         let ground = self.graph.clone();
         let mut count = 0;
-        while let Some(entry) = self.queue.pop() {
-            let node = entry.node();
+        loop {
+            let ways = &self.ways;
+            let mut read = 0;
+            let next = self.queue.pop(|cost, node| {
+                let fresh = cost <= ways[node as usize].cost;
+                if fresh {
+                    // Read ahead, so that the list is in the cache when the node is settled.
+                    read ^= ground.neighbours(node).first().copied().unwrap_or(0);
+                }
+                fresh
+            });
+            std::hint::black_box(read);
+            let Some((cost, node)) = next else { break };
             // Stale: the node has been settled at a lower cost.
-            if entry.cost() > self.ways[node as usize].cost {
+            if cost > self.ways[node as usize].cost {
                 continue;
             }
             self.settle(&ground, node, terms)?;
-            if let Some((left, open)) = &mut wanted
-                && open.binary_search(&node).is_ok()
+            if let Some(left) = &mut left
+                && self.wanted[node as usize / 64] >> (node % 64) & 1 == 1
             {
                 *left -= 1;
                 if *left == 0 {
@@ -332,35 +328,35 @@ impl<'g> Search<'g> {
             self.guides[here] = Guide { vector, hops };
         }
         let (vector, cost) = (self.guides[here].vector, self.ways[here].cost);
-        for &to in graph.neighbours(node) {
-            // As cheap already, so settled or about to be: asking for the weight would be in vain.
-            let known = &mut self.ways[to as usize];
-            if known.cost <= cost {
-                continue;
+        let mut ends = [(0, Vec3::ZERO); STAR];
+        let mut weights = [0.0; STAR];
+        for neighbours in graph.neighbours(node).chunks(STAR) {
+            let mut open = 0;
+            for &to in neighbours {
+                ends[open] = (to, graph.position(to));
+                // As cheap already, so settled or about to be: asking for the weight would be in vain.
+                open += usize::from(self.ways[to as usize].cost > cost);
             }
-            let end = graph.position(to);
-            let way = end - position;
-            let length = way.length();
-            let edge = Edge {
+            let star = Star {
                 from: node,
-                to,
                 start: position,
-                end,
-                direction: way / length,
-                length,
                 vector,
                 stage: terms.stage,
                 seed: terms.seed,
+                ends: &ends[..open],
             };
-            let weight = terms.weight.weight(&edge);
-            if weight.is_nan() || weight < 0.0 {
-                return Err(SearchError::Weight { stage: terms.stage, from: node, to, weight });
-            }
-            // `+ 0.0` turns a weight of -0 into 0, whose bits are in order.
-            let through = cost + weight + 0.0;
-            if through < known.cost {
-                *known = Way { cost: through, parent: node };
-                self.queue.push(Entry::new(through, to));
+            terms.weight.weights(&star, &mut weights[..open]);
+            for (&(to, _), &weight) in ends[..open].iter().zip(&weights) {
+                if weight.is_nan() || weight < 0.0 {
+                    return Err(SearchError::Weight { stage: terms.stage, from: node, to, weight });
+                }
+                // `+ 0.0` turns a weight of -0 into 0, whose bits are in order.
+                let through = cost + weight + 0.0;
+                let known = &mut self.ways[to as usize];
+                if through < known.cost {
+                    *known = Way { cost: through, parent: node };
+                    self.queue.push(through, to);
+                }
             }
         }
         Ok(())

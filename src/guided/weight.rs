@@ -34,6 +34,15 @@ pub trait WeightFn: Send + Sync {
     /// The weight of `edge`.
     fn weight(&self, edge: &Edge) -> f32;
 
+    /// The weights of a star's edges, in their order. The search asks for no others, so that one call through a
+    /// pointer serves many edges. Calls [`weight`](Self::weight) for each; override it only to share work between
+    /// the edges, and give the same weights.
+    fn weights(&self, star: &Star<'_>, weights: &mut [f32]) {
+        for (i, weight) in weights.iter_mut().enumerate() {
+            *weight = self.weight(&star.edge(i));
+        }
+    }
+
     /// Whether a weight may be infinite. Endpoints are then chosen after the search, among nodes it reached.
     fn forbids(&self) -> bool {
         false
@@ -53,6 +62,9 @@ macro_rules! forward {
         impl<T: WeightFn + ?Sized> WeightFn for $pointer {
             fn weight(&self, edge: &Edge) -> f32 {
                 (**self).weight(edge)
+            }
+            fn weights(&self, star: &Star<'_>, weights: &mut [f32]) {
+                (**self).weights(star, weights);
             }
             fn forbids(&self) -> bool {
                 (**self).forbids()
@@ -87,6 +99,48 @@ pub struct Edge {
     pub stage: usize,
     /// The seed of the tree.
     pub seed: u64,
+}
+
+/// Edges that start from one node, which is settled: at most 8 of a node's at a time, and only those that may still
+/// lead to something cheaper.
+#[derive(Debug, Clone, Copy)]
+pub struct Star<'a> {
+    pub(super) from: u32,
+    pub(super) start: Vec3,
+    pub(super) vector: Vec3,
+    pub(super) stage: usize,
+    pub(super) seed: u64,
+    /// The nodes that they lead to, and where those are.
+    pub(super) ends: &'a [(u32, Vec3)],
+}
+
+impl Star<'_> {
+    /// The number of edges.
+    pub fn edges(&self) -> usize {
+        self.ends.len()
+    }
+
+    /// One of the edges.
+    ///
+    /// # Panics
+    /// When there is no edge `i`.
+    #[inline]
+    pub fn edge(&self, i: usize) -> Edge {
+        let (to, end) = self.ends[i];
+        let way = end - self.start;
+        let length = way.length();
+        Edge {
+            from: self.from,
+            to,
+            start: self.start,
+            end,
+            direction: way / length,
+            length,
+            vector: self.vector,
+            stage: self.stage,
+            seed: self.seed,
+        }
+    }
 }
 
 impl Edge {
