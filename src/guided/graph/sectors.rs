@@ -87,7 +87,7 @@ impl Sectors {
 }
 
 #[inline]
-pub(super) fn octant(d: Vec3) -> usize {
+fn octant(d: Vec3) -> usize {
     usize::from(d.x < 0.0) | usize::from(d.y < 0.0) << 1 | usize::from(d.z < 0.0) << 2
 }
 

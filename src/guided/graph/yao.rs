@@ -1,16 +1,18 @@
 //! Yao graphs: an edge to the nearest node in each sector (Yao 1977), exactly.
 
 use super::bvh::Bvh;
-use super::sectors::{Sectors, octant};
+use super::sectors::Sectors;
 use crate::observer::{Cancelled, Observer, Work, report};
 use crate::parallel;
-use glam::Vec3;
+use glam::{BVec3, Vec3, Vec4};
 use std::sync::OnceLock;
 
 /// Nodes a task works on.
 const CHUNK: usize = 2048;
 /// Tasks between two reports.
 const WAVE: usize = 32;
+/// Points that are looked at together.
+const LANES: usize = 4;
 
 /// Out-edges of all nodes, flat: node `i` has `targets[starts[i]..starts[i + 1]]`, in the order of the sectors.
 pub(super) struct Adjacency {
@@ -72,26 +74,50 @@ struct Search<'a> {
     longest: f32,
 }
 
-/// The nearest node of each sector so far: squared distance and number in one key. The bits of floats that are not
-/// negative are in the floats' order, so the smaller key is the nearer node, and the lower number in a tie.
-struct Nearest {
-    keys: [u64; 64],
-    count: usize,
+/// Squared distance and number in one key. The bits of floats that are not negative are in the floats' order, so the
+/// smaller key is the nearer node, and the lower number in a tie.
+#[inline]
+fn key(distance: f32, node: u32) -> u64 {
+    u64::from(distance.to_bits()) << 32 | u64::from(node)
 }
 
 const NONE: u64 = (f32::INFINITY.to_bits() as u64) << 32 | u32::MAX as u64;
 
-impl Nearest {
+/// The nearest node of each of at most `N` sectors so far.
+struct Nearest<const N: usize> {
+    keys: [u64; N],
+    /// The same for what is not merged yet, each lane by itself, so that none waits for the others.
+    lanes: [[u64; N]; LANES],
+    count: usize,
+}
+
+impl<const N: usize> Nearest<N> {
     #[inline]
-    fn offer(&mut self, sector: usize, distance: f32, node: u32) {
-        let key = u64::from(distance.to_bits()) << 32 | u64::from(node);
-        self.keys[sector] = self.keys[sector].min(key);
+    fn offer(&mut self, lane: usize, sector: usize, distance: f32, node: u32) {
+        let nearest = &mut self.lanes[lane][sector % N];
+        *nearest = key(distance, node).min(*nearest);
+    }
+
+    #[inline]
+    fn merge(&mut self) {
+        for lane in &self.lanes {
+            for (key, &other) in self.keys.iter_mut().zip(lane) {
+                *key = other.min(*key);
+            }
+        }
     }
 
     /// Squared distance and number.
     #[inline]
     fn get(&self, sector: usize) -> (f32, u32) {
         (f32::from_bits((self.keys[sector] >> 32) as u32), self.keys[sector] as u32)
+    }
+
+    /// The nodes nearer than `longest`, the square of a length, in the order of the sectors.
+    #[inline]
+    fn list(&self, longest: f32, targets: &mut Vec<u32>) {
+        let far = NONE.min(key(longest, u32::MAX));
+        targets.extend(self.keys[..self.count].iter().filter(|&&key| key < far).map(|&key| key as u32));
     }
 
     /// The largest squared distance of the octants that cells on these sides in y and z can lie in.
@@ -102,7 +128,7 @@ impl Nearest {
             let away = (octant >> 1 & 1 == 0 && y < 0) || (octant >> 1 & 1 == 1 && y > 0);
             let apart = (octant >> 2 == 0 && z < 0) || (octant >> 2 == 1 && z > 0);
             if !away && !apart {
-                far = far.max(self.keys[octant]);
+                far = far.max(self.keys[octant % N]);
             }
         }
         f32::from_bits((far >> 32) as u32)
@@ -123,68 +149,102 @@ impl Search<'_> {
             targets: Vec::with_capacity(nodes.len() * self.sectors.count().min(8)),
         };
         for node in nodes {
-            let nearest = match self.sectors {
-                Sectors::Octants => self.nearest(node as u32, octant),
-                sectors => self.nearest(node as u32, |d| sectors.of(d)),
-            };
-            let far = NONE.min(u64::from(self.longest.to_bits()) << 32 | u64::from(u32::MAX));
-            let found = nearest.keys[..nearest.count].iter().filter(|&&key| key < far);
-            part.targets.extend(found.map(|&key| key as u32));
+            if matches!(self.sectors, Sectors::Octants) {
+                self.nearest::<8>(node as u32, octants).list(self.longest, &mut part.targets);
+            } else {
+                let sectors_of = |x: Vec4, y: Vec4, z: Vec4| {
+                    std::array::from_fn(|i| self.sectors.of(Vec3::new(x[i], y[i], z[i])))
+                };
+                self.nearest::<64>(node as u32, sectors_of).list(self.longest, &mut part.targets);
+            }
             part.starts.push(part.targets.len() as u32);
         }
         part
     }
 
     #[inline]
-    fn nearest(&self, node: u32, sector_of: impl Fn(Vec3) -> usize) -> Nearest {
+    fn nearest<const N: usize>(
+        &self,
+        node: u32,
+        sectors_of: impl Fn(Vec4, Vec4, Vec4) -> [usize; LANES],
+    ) -> Nearest<N> {
         let from = self.positions[node as usize];
-        let mut nearest = Nearest { keys: [NONE; 64], count: self.sectors.count() };
+        let mut nearest = Nearest { keys: [NONE; N], lanes: [[NONE; N]; LANES], count: self.sectors.count() };
         let octants = matches!(self.sectors, Sectors::Octants);
         let mut searched = -1.0;
         if let Some(cells) = &self.cells {
-            searched = cells.scan(from, &mut nearest, octants, |nearest, position, other| {
-                let to = position - from;
-                if other != node {
-                    nearest.offer(sector_of(to), to.length_squared(), other);
+            searched = cells.scan(from, &mut nearest, octants, |nearest, group| {
+                let (x, y, z) = (group.x - from.x, group.y - from.y, group.z - from.z);
+                let distances = x * x + y * y + z * z;
+                let sectors = sectors_of(x, y, z);
+                for lane in 0..LANES {
+                    let other = group.numbers[lane];
+                    // A node is not its own neighbour: NaN is larger than every distance, infinity included.
+                    let distance = if other == node { f32::NAN } else { distances[lane] };
+                    nearest.offer(lane, sectors[lane], distance, other);
                 }
             });
         }
-        // Octants are told by signs, which subtraction keeps; other borders are rounded.
-        let rounding = if octants { 0.0 } else { 1e-5 };
         for sector in 0..nearest.count {
             let best = nearest.get(sector);
             if best.0 <= searched || self.longest <= searched {
                 continue;
             }
             let outside = |min: Vec3, max: Vec3| {
+                if octants {
+                    return outside_octant(sector, from, min, max);
+                }
                 self.half_spaces[sector].iter().any(|normal| {
                     let farthest = Vec3::select(normal.cmpgt(Vec3::ZERO), max, min) - from;
-                    normal.dot(farthest) < -rounding * farthest.abs().max_element()
+                    normal.dot(farthest) < -1e-5 * farthest.abs().max_element()
                 })
             };
             let (distance, other) = self.bvh.get_or_init(|| Bvh::new(self.positions)).nearest(
                 from,
                 best,
                 outside,
-                |position, other| other != node && sector_of(position - from) == sector,
+                |position, other| other != node && self.sectors.of(position - from) == sector,
             );
-            nearest.offer(sector, distance, other);
+            nearest.keys[sector] = key(distance, other);
         }
         nearest
     }
 }
 
-/// Points sorted into the cells of a lattice, about three a cell.
+/// Points side by side, coordinate by coordinate; NaN where there are none.
+#[derive(Clone, Copy)]
+struct Group {
+    x: Vec4,
+    y: Vec4,
+    z: Vec4,
+    numbers: [u32; LANES],
+}
+
+/// The octants of four points at once, as [`Sectors::Octants`] numbers them.
+#[inline]
+fn octants(x: Vec4, y: Vec4, z: Vec4) -> [usize; LANES] {
+    let [x, y, z] = [x, y, z].map(|way| way.cmplt(Vec4::ZERO).bitmask());
+    std::array::from_fn(|i| (x >> i & 1 | (y >> i & 1) << 1 | (z >> i & 1) << 2) as usize)
+}
+
+/// Whether no point of the box is in the octant of `from`. Exact: signs survive subtraction.
+#[inline]
+fn outside_octant(octant: usize, from: Vec3, min: Vec3, max: Vec3) -> bool {
+    let low = BVec3::new(octant & 1 != 0, octant & 2 != 0, octant & 4 != 0);
+    (low & min.cmpge(from) | !low & max.cmplt(from)).any()
+}
+
+/// Points sorted into the cells of a lattice, about four a cell.
 struct Cells {
     min: Vec3,
     side: f32,
     dims: [i32; 3],
     starts: Vec<u32>,
-    points: Vec<(Vec3, u32)>,
+    points: Vec<Group>,
 }
 
 impl Cells {
-    /// Cells of the given side, or one that makes for about three points a cell. `None` where points are too uneven
+    /// Cells of the given side, or one that makes for about four points a cell. `None` where points are too uneven
     /// for a lattice.
     fn new(positions: &[Vec3], given: Option<f32>) -> Option<Self> {
         let (min, max) = positions
@@ -201,7 +261,7 @@ impl Cells {
         {
             side = given;
         } else {
-            while cells_at(side).element_product() < positions.len() as f32 * 0.35 {
+            while cells_at(side).element_product() < positions.len() as f32 * 0.25 {
                 side *= 0.95;
             }
         }
@@ -220,10 +280,13 @@ impl Cells {
             grid.starts[cell + 1] += grid.starts[cell];
         }
         let mut next = grid.starts.clone();
-        grid.points = vec![(Vec3::ZERO, 0); positions.len()];
+        let missing = Group { x: Vec4::NAN, y: Vec4::NAN, z: Vec4::NAN, numbers: [0; LANES] };
+        grid.points = vec![missing; positions.len().div_ceil(LANES)];
         for (&position, number) in positions.iter().zip(0..) {
             let slot = &mut next[grid.index(grid.cell(position))];
-            grid.points[*slot as usize] = (position, number);
+            let (group, i) = (&mut grid.points[*slot as usize / LANES], *slot as usize % LANES);
+            (group.x[i], group.y[i], group.z[i]) = position.into();
+            group.numbers[i] = number;
             *slot += 1;
         }
         Some(grid)
@@ -243,26 +306,26 @@ impl Cells {
     /// Offers every point in the 3 x 3 x 3 cells around `from`, then, if that leaves a sector open, in the
     /// 5 x 5 x 5. Returns the squared distance within which no point was missed.
     #[inline]
-    fn scan(
+    fn scan<const N: usize>(
         &self,
         from: Vec3,
-        nearest: &mut Nearest,
+        nearest: &mut Nearest<N>,
         octants: bool,
-        offer: impl Fn(&mut Nearest, Vec3, u32),
+        offer: impl Fn(&mut Nearest<N>, &Group),
     ) -> f32 {
         let [x, y, z] = self.cell(from);
         let inside = (from - self.min) - Vec3::new(x as f32, y as f32, z as f32) * self.side;
         // From the point to the nearest face of its own cell, a little low for rounding.
         let margin = (inside.min(Vec3::splat(self.side) - inside).min_element() - self.side * 1e-4).max(0.0);
-        let row = |nearest: &mut Nearest, x0: i32, x1: i32, y: i32, z: i32| {
+        let row = |nearest: &mut Nearest<N>, x0: i32, x1: i32, y: i32, z: i32| {
             let (x0, x1) = (x0.max(0), x1.min(self.dims[0] - 1));
             if y < 0 || z < 0 || y >= self.dims[1] || z >= self.dims[2] || x0 > x1 {
                 return;
             }
             let first = self.starts[self.index([x0, y, z])] as usize;
             let last = self.starts[self.index([x1, y, z]) + 1] as usize;
-            for &(position, number) in &self.points[first..last] {
-                offer(nearest, position, number);
+            for group in &self.points[first / LANES..last.div_ceil(LANES)] {
+                offer(nearest, group);
             }
         };
         for dz in -1..=1 {
@@ -270,6 +333,7 @@ impl Cells {
                 row(nearest, x - 1, x + 1, y + dy, z + dz);
             }
         }
+        nearest.merge();
         let searched = margin + self.side;
         if nearest.farthest() <= searched * searched {
             return searched * searched;
@@ -303,6 +367,7 @@ impl Cells {
                 }
             }
         }
+        nearest.merge();
         let searched = margin + 2.0 * self.side;
         searched * searched
     }
