@@ -12,11 +12,13 @@ use std::num::NonZeroUsize;
 use std::ops::ControlFlow;
 use treesynth::glam::Vec3;
 use treesynth::guided::{
-    Bend, Edges, EndpointError, Graph, GraphBuilder, PoissonYao, Search, Stage, StageView, TreeSynth,
+    Bend, Edge, Edges, EndpointError, Graph, GraphBuilder, PoissonYao, Search, Stage, StageView, Step,
+    TreeSynth,
 };
+use treesynth::math::Rotation;
 use treesynth::presets::TYPICAL_NODES;
 use treesynth::shape::Cuboid;
-use treesynth::{EndpointPolicy, Progress, Silent, Work};
+use treesynth::{EndpointPolicy, GuidingRule, Progress, Silent, WeightFn, Work};
 
 /// The box of the preset that the other benches grow, metres.
 const BOX: Vec3 = Vec3::new(12.0, 11.5, 12.0);
@@ -26,6 +28,26 @@ const NEIGHBOURS: NonZeroUsize = NonZeroUsize::new(32).expect("not zero");
 /// Places nodes only: breaks off where the edges begin.
 fn nodes_only(progress: Progress) -> ControlFlow<()> {
     if progress.work == Work::Edges { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+}
+
+/// [`Bend::constant`], written outside of the crate.
+struct OwnBend(Rotation);
+
+impl GuidingRule for OwnBend {
+    fn guide(&self, step: &Step<'_>) -> Vec3 {
+        let axis = Vec3::Y.cross(step.edge);
+        let length = axis.length();
+        if length < 1e-5 { step.vector } else { self.0.about(axis / length, step.vector) }
+    }
+}
+
+/// [`Guided`](treesynth::guided::Guided), written outside of the crate.
+struct OwnGuided;
+
+impl WeightFn for OwnGuided {
+    fn weight(&self, edge: &Edge) -> f32 {
+        edge.length * (1.0 - edge.direction.dot(edge.vector)).max(0.0)
+    }
 }
 
 /// Has the search go to its end, and then takes one endpoint.
@@ -92,6 +114,17 @@ fn main() {
     group.bench_function("search/treesynth", |bencher| {
         samples.time(bencher, "search", || synth.grow(&mut search, SEED, &Silent));
     });
+    let own = TreeSynth::new(builder.clone())
+        .stage(Stage::new(OwnBend(Rotation::new(5f32.to_radians())), AfterAll).with_weight(OwnGuided));
+    let ours = synth.grow(&mut search, SEED, &Silent).expect("a path");
+    assert_eq!(
+        own.grow(&mut search, SEED, &Silent).expect("a path"),
+        ours,
+        "the same strategies, the same tree"
+    );
+    group.bench_function("search/own rule and weight", |bencher| {
+        samples.time(bencher, "own", || own.grow(&mut search, SEED, &Silent));
+    });
     group.bench_function("search/petgraph Csr", |bencher| {
         samples.time(bencher, "petgraph Csr", || dijkstra(&csr, root, None, |edge| *edge.weight()));
     });
@@ -99,10 +132,33 @@ fn main() {
         let root = NodeIndex::new(root as usize);
         samples.time(bencher, "petgraph DiGraph", || dijkstra(&digraph, root, None, |edge| *edge.weight()));
     });
+
+    // The whole tree.
+    let typical = measure::tree(measure::size(TYPICAL_NODES, 10_000));
+    group.bench_function("tree/treesynth", |bencher| {
+        samples.time(bencher, "tree", || typical.synthesize(SEED));
+    });
+    let standing = typical.build_graph(SEED, &Silent).expect("the preset has a graph");
+    let mut search = Search::new(&standing);
+    group.bench_function("stages/treesynth", |bencher| {
+        samples.time(bencher, "stages", || typical.grow(&mut search, SEED, &Silent));
+    });
+    group.bench_function("stages/petgraph Csr", |bencher| {
+        samples.time(bencher, "five searches", || {
+            (0..5).map(|_| dijkstra(&csr, root, None, |edge| *edge.weight()).len()).sum::<usize>()
+        });
+    });
+    group.bench_function("tree/assembled", |bencher| {
+        samples.time(bencher, "assembled", || assembled(&darts, 5));
+    });
     group.finish();
     criterion.final_summary();
 
-    let theirs = theirs.map_or(0, |nodes| nodes.len());
+    print(&samples, &graph, spacing, theirs.map_or(0, |nodes| nodes.len()), largest);
+}
+
+/// Both tables: `theirs` nodes of the peer's, costs that differ by `largest` at most.
+fn print(samples: &Samples, graph: &Graph, spacing: f32, theirs: usize, largest: f32) {
     if theirs > 0 {
         print_table(
             &format!("Nodes in a box of {BOX} m, at least {spacing:.4} m apart:"),
@@ -121,6 +177,9 @@ fn main() {
         ("edges; 32 nearest, tree built", "edges", "kiddo, tree built", None),
         ("one search; Dijkstra on frozen weights", "search", "petgraph Csr", None),
         ("one search; Dijkstra on frozen weights", "search", "petgraph DiGraph", None),
+        ("one search; rule and weight of one's own", "search", "own", None),
+        ("five stages, endpoints included; five searches", "stages", "five searches", None),
+        ("whole tree; assembled from all three", "tree", "assembled", None),
     ];
     let rows: Vec<Vec<String>> = rows
         .into_iter()
@@ -156,6 +215,30 @@ fn neighbour_sum(tree: &ImmutableKdTree<f32, 3>, points: &[[f32; 3]]) -> u64 {
         .iter()
         .flat_map(|point| tree.nearest_n::<SquaredEuclidean>(point, NEIGHBOURS))
         .map(|neighbour| neighbour.item)
+        .sum()
+}
+
+/// What a tree from `fast_poisson`, `kiddo` and `petgraph` takes at least: nodes, for each the nearest in every octant
+/// among [`NEIGHBOURS`], and full searches on weights that stay as they are. Paths are not even read.
+fn assembled(darts: &Poisson3D, searches: usize) -> f32 {
+    let points: Vec<[f32; 3]> = darts.generate().into_iter().map(|p| p.map(|x| x as f32)).collect();
+    let tree = ImmutableKdTree::<f32, 3>::new_from_slice(&points);
+    let mut edges: Vec<(u32, u32, f32)> = Vec::with_capacity(points.len() * 8);
+    for (point, from) in points.iter().zip(0u32..) {
+        let mut open = [true; 8];
+        let near = tree.nearest_n::<SquaredEuclidean>(point, NEIGHBOURS);
+        for neighbour in near.into_iter().filter(|near| near.item != u64::from(from)) {
+            let way = Vec3::from(points[neighbour.item as usize]) - Vec3::from(*point);
+            let octant = way.cmplt(Vec3::ZERO).bitmask() as usize;
+            if std::mem::take(&mut open[octant]) {
+                edges.push((from, neighbour.item as u32, way.length() - way.y));
+            }
+        }
+    }
+    edges.sort_unstable_by_key(|&(from, to, _)| (from, to));
+    let graph = Csr::<(), f32>::from_sorted_edges(&edges).expect("sorted edges");
+    (0..searches)
+        .map(|root| dijkstra(&graph, root as u32, None, |edge| edge.weight().max(0.0)).len() as f32)
         .sum()
 }
 

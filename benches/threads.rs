@@ -81,7 +81,7 @@ fn trees(synth: &TreeSynth, graph: &Graph) -> usize {
 }
 
 /// A tree of 10 m on a graph of 3% of that, then refined to a half of it, a quarter and an eighth.
-fn refined(halvings: i32) -> TreeSynth {
+fn refined(halvings: u8) -> TreeSynth {
     let region = Cuboid::new(Vec3::new(-5.0, 0.0, -5.0), Vec3::new(5.0, 10.0, 5.0));
     let crown = Ellipsoid::new(Vec3::Y * 6.0, Vec3::new(3.2, 3.2, 3.2));
     let fork = || Bend::piecewise(30f32.to_radians(), 0.0, 1);
@@ -92,7 +92,7 @@ fn refined(halvings: i32) -> TreeSynth {
             InShape::poisson_disc(crown, Count::UpTo(70)),
         ));
     (1..=halvings).zip([500, 2500, 12_000]).fold(start, |synth, (halving, endpoints)| {
-        let refinement = Refinement::new(region, 0.3 * 0.5f32.powi(halving)).with_reach(6);
+        let refinement = Refinement::new(region, 0.3 / f32::from(1u8 << halving)).with_reach(6);
         let surface = HopSurface::new(4, Count::UpTo(endpoints)).with_outermost(0.7);
         synth.stage(Stage::new(fork(), surface).with_refinement(refinement))
     })

@@ -32,6 +32,59 @@ impl Entry {
     }
 }
 
+/// Entries of a block: two lines of the cache.
+const BLOCK: usize = 16;
+/// No block.
+const NONE: u32 = u32::MAX;
+
+/// Lists that share their memory, in blocks: how full a bucket gets differs widely, and lists of their own would
+/// need six times as much.
+#[derive(Debug, Clone, Default)]
+struct Buckets {
+    /// The last block of each bucket, and the bucket's length.
+    ends: Vec<(u32, u32)>,
+    blocks: Vec<[Entry; BLOCK]>,
+    /// The block before each block in its bucket.
+    before: Vec<u32>,
+    /// Blocks that no bucket has.
+    free: Vec<u32>,
+}
+
+impl Buckets {
+    /// So many empty ones; all have to be empty.
+    fn reset(&mut self, count: usize) {
+        self.ends.clear();
+        self.ends.resize(count, (NONE, 0));
+    }
+
+    #[inline]
+    fn push(&mut self, bucket: usize, entry: Entry) {
+        let (block, len) = &mut self.ends[bucket];
+        if (*len as usize).is_multiple_of(BLOCK) {
+            let new = self.free.pop().unwrap_or_else(|| {
+                self.blocks.push([entry; BLOCK]);
+                self.before.push(NONE);
+                self.blocks.len() as u32 - 1
+            });
+            self.before[new as usize] = *block;
+            *block = new;
+        }
+        self.blocks[*block as usize][*len as usize % BLOCK] = entry;
+        *len += 1;
+    }
+
+    /// Empties a bucket.
+    fn drain(&mut self, bucket: usize, mut each: impl FnMut(Entry)) {
+        let (mut block, mut len) = std::mem::replace(&mut self.ends[bucket], (NONE, 0));
+        while len > 0 {
+            let filled = (len as usize - 1) % BLOCK + 1;
+            self.blocks[block as usize][..filled].iter().for_each(|&entry| each(entry));
+            self.free.push(block);
+            (block, len) = (self.before[block as usize], len - filled as u32);
+        }
+    }
+}
+
 /// A priority queue of nodes by cost, for costs at least 0 and finite. Its memory is kept when it empties.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Queue {
@@ -39,7 +92,7 @@ pub(super) struct Queue {
     opened: Vec<Entry>,
     /// What came later, but would belong into a bucket that has been opened.
     late: BinaryHeap<Entry>,
-    buckets: Vec<Vec<Entry>>,
+    buckets: Buckets,
     /// The first bucket that has not been opened.
     next: usize,
     /// The buckets in use.
@@ -56,7 +109,7 @@ impl Queue {
     pub(super) fn clear(&mut self) {
         self.opened.clear();
         self.late.clear();
-        self.buckets.iter_mut().for_each(Vec::clear);
+        (self.next..self.count).for_each(|bucket| self.buckets.drain(bucket, |_| ()));
         self.far.clear();
         (self.next, self.count) = (0, 0);
     }
@@ -67,7 +120,7 @@ impl Queue {
         if bucket >= self.count {
             self.far.push(entry);
         } else if bucket >= self.next {
-            self.buckets[bucket].push(entry);
+            self.buckets.push(bucket, entry);
         } else {
             self.late.push(entry);
         }
@@ -99,9 +152,11 @@ impl Queue {
         while self.next == self.count {
             self.lay_out()?;
         }
-        // Copied, not swapped: each bucket keeps the memory that it needed, and will need in the next search.
-        let bucket = self.buckets[self.next].drain(..);
-        self.opened.extend(bucket.filter(|entry| keep(entry.cost(), entry.node())));
+        self.buckets.drain(self.next, |entry| {
+            if keep(entry.cost(), entry.node()) {
+                self.opened.push(entry);
+            }
+        });
         self.opened.sort_unstable();
         self.next += 1;
         Some(())
@@ -118,15 +173,13 @@ impl Queue {
         self.next = 0;
         // Infinite where all costs are one: they have the first bucket to themselves.
         self.scale = self.count as f32 / (high - self.base);
-        if self.buckets.len() < self.count {
-            self.buckets.resize(self.count, Vec::new());
-        }
+        self.buckets.reset(self.count);
         let mut far = std::mem::take(&mut self.far);
         far.retain(|&entry| {
             let bucket = self.bucket(entry.cost());
             let is_far = bucket >= self.count;
             if !is_far {
-                self.buckets[bucket].push(entry);
+                self.buckets.push(bucket, entry);
             }
             is_far
         });

@@ -2,6 +2,7 @@
 #![allow(clippy::float_cmp, reason = "the same bits are often the point")]
 #![allow(clippy::disallowed_methods, reason = "oracles take the platform's functions, in double precision")]
 
+mod allocations;
 #[cfg(feature = "json")]
 mod bad_input;
 mod figures;
