@@ -205,17 +205,23 @@ impl Cells {
                 side *= 0.95;
             }
         }
-        let dims = cells_at(side).to_array().map(|n| n as i32);
-        let cells = dims.iter().map(|&n| n as usize).product::<usize>();
-        let mut grid = Self { min, side, dims, starts: vec![0; cells + 1], points: Vec::new() };
-        for &position in positions {
-            let cell = grid.index(grid.cell(position));
-            grid.starts[cell + 1] += 1;
-        }
-        let crowding: u64 = grid.starts.iter().map(|&n| u64::from(n) * u64::from(n)).sum();
-        if crowding > 16 * positions.len() as u64 {
-            return None;
-        }
+        let n = positions.len() as u64;
+        // Finer where most points crowd in few cells, for those are what takes time.
+        let mut grid = loop {
+            let (grid, crowding) = Self::counted(positions, min, side, cells_at(side).to_array().map(|n| n as i32));
+            let finer = cells_at(side * 0.75).element_product();
+            if crowding <= 7 * n || given.is_some() {
+                break grid;
+            }
+            if finer > 24.0 * positions.len() as f32 {
+                if crowding > 16 * n {
+                    return None;
+                }
+                break grid;
+            }
+            side *= 0.75;
+        };
+        let cells = grid.starts.len() - 1;
         for cell in 0..cells {
             grid.starts[cell + 1] += grid.starts[cell];
         }
@@ -227,6 +233,18 @@ impl Cells {
             *slot += 1;
         }
         Some(grid)
+    }
+
+    /// Cells that are empty yet, but hold how many points will come before each; and the sum of the squares of these.
+    fn counted(positions: &[Vec3], min: Vec3, side: f32, dims: [i32; 3]) -> (Self, u64) {
+        let cells = dims.iter().map(|&n| n as usize).product::<usize>();
+        let mut grid = Self { min, side, dims, starts: vec![0; cells + 1], points: Vec::new() };
+        for &position in positions {
+            let cell = grid.index(grid.cell(position));
+            grid.starts[cell + 1] += 1;
+        }
+        let crowding = grid.starts.iter().map(|&n| u64::from(n) * u64::from(n)).sum();
+        (grid, crowding)
     }
 
     #[inline]
