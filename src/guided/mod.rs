@@ -18,8 +18,8 @@ mod weight;
 
 pub use endpoint::{Count, EndpointError, EndpointPolicy, HopSurface, InShape, NearestTo, Side, StageView};
 pub use graph::{
-    Edges, GradedYao, Graph, GraphBuilder, GraphError, Lattice, NearSurface, PointCloud, PoissonYao, SizingField,
-    SizingFn, Spacing,
+    Edges, GradedYao, Graph, GraphBuilder, GraphError, Lattice, NearSurface, PointCloud, PoissonYao,
+    SizingField, SizingFn, Spacing,
 };
 pub use refine::Refinement;
 pub use rule::{

@@ -8,7 +8,7 @@ use glam::{IVec3, Vec3};
 use rand::{Rng, RngExt};
 
 /// Candidates tried around a node before it is given up.
-const TRIES: u32 = 10;
+const TRIES: u32 = 7;
 /// No node.
 const NONE: u32 = u32::MAX;
 
@@ -84,7 +84,7 @@ impl<'a> Tile<'a> {
             let cell = self.cell_of(node).clamp(-margin, margin + self.leaf.cells - 1);
             self.insert(node, cell);
             let r = self.tree.spacing.at(node);
-            if node.clamp(bounds.min, bounds.max).distance_squared(node) < r * r {
+            if node.clamp(bounds.min, bounds.max).distance_squared(node) < 0.3 * r * r {
                 self.active.push(node);
             }
         }

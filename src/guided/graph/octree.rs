@@ -9,7 +9,7 @@ use crate::shape::{Bounds, Shape};
 use glam::{IVec3, Vec3};
 
 /// The most cells along an axis of a tile, where the spacing lets it be divided.
-const CELLS: f32 = 16.0;
+const CELLS: f32 = 20.0;
 
 /// Where nodes go. Options are in range.
 pub(super) struct Octree<'a> {

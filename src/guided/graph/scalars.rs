@@ -9,6 +9,8 @@ use smallvec::SmallVec;
 pub(super) struct Scalars {
     pub(super) origin: Vec3,
     pub(super) step: Vec3,
+    /// 1 / step.
+    per_step: Vec3,
     /// Points along each axis, at least 2.
     pub(super) dims: IVec3,
     /// One a point; x runs fastest.
@@ -16,10 +18,14 @@ pub(super) struct Scalars {
 }
 
 impl Scalars {
+    pub(super) fn new(origin: Vec3, step: Vec3, dims: IVec3, values: Vec<f32>) -> Self {
+        Self { origin, step, per_step: step.recip(), dims, values }
+    }
+
     /// At a finite point. O(1).
     #[inline]
     pub(super) fn at(&self, point: Vec3) -> f32 {
-        let place = ((point - self.origin) / self.step).clamp(Vec3::ZERO, (self.dims - 1).as_vec3());
+        let place = ((point - self.origin) * self.per_step).clamp(Vec3::ZERO, (self.dims - 1).as_vec3());
         let cell = place.as_ivec3().min(self.dims - 2);
         let t = place - cell.as_vec3();
         let (row, layer) = (self.dims.x as usize, (self.dims.x * self.dims.y) as usize);
@@ -33,7 +39,7 @@ impl Scalars {
     /// The least and the largest value in a box: where the function is linear along each axis, at the corners.
     pub(super) fn range(&self, bounds: Bounds) -> (f32, f32) {
         let planes = |axis: usize| -> SmallVec<[f32; 32]> {
-            let place = |x: f32| (x - self.origin[axis]) / self.step[axis];
+            let place = |x: f32| (x - self.origin[axis]) * self.per_step[axis];
             let first = (place(bounds.min[axis]).floor() as i32 + 1).max(0);
             let last = (place(bounds.max[axis]).ceil() as i32 - 1).min(self.dims[axis] - 1);
             let inside = (first..=last).map(|i| self.origin[axis] + i as f32 * self.step[axis]);
@@ -54,7 +60,9 @@ impl Scalars {
 
     /// The least and the largest value anywhere.
     pub(super) fn extremes(&self) -> (f32, f32) {
-        self.values.iter().fold((f32::INFINITY, f32::NEG_INFINITY), |(low, high), &v| (low.min(v), high.max(v)))
+        self.values
+            .iter()
+            .fold((f32::INFINITY, f32::NEG_INFINITY), |(low, high), &v| (low.min(v), high.max(v)))
     }
 
     /// Lowers what is more than `grading` times the way along the axes above another value: what is left is

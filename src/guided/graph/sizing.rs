@@ -167,7 +167,12 @@ impl SizingField for NearSurface {
             ("NearSurface.away", self.away),
             ("NearSurface.distance", self.distance),
         ] {
-            ParameterError::unless(value > 0.0 && value.is_finite(), parameter, value, "finite and above 0 m")?;
+            ParameterError::unless(
+                value > 0.0 && value.is_finite(),
+                parameter,
+                value,
+                "finite and above 0 m",
+            )?;
         }
         let bounds = self.shape.bounds();
         ParameterError::unless(
@@ -239,7 +244,7 @@ fn signed_distances(shape: &dyn Shape, beyond: f32) -> Option<Scalars> {
         if inside[to] { -distance } else { distance }
     };
     let values: Vec<f32> = nearest.iter().enumerate().map(distance).collect();
-    values[0].is_finite().then_some(Scalars { origin: bounds.min, step, dims: IVec3::splat(dim), values })
+    values[0].is_finite().then(|| Scalars::new(bounds.min, step, IVec3::splat(dim), values))
 }
 
 #[cfg(test)]

@@ -92,7 +92,7 @@ impl Samples {
             values.push(size);
             volumes.push(share * cell);
         }
-        let wanted = Scalars { origin: bounds.min, step, dims, values };
+        let wanted = Scalars::new(bounds.min, step, dims, values);
         Ok(Self { wanted, volumes, cell, diagonal: size.length() })
     }
 
