@@ -21,8 +21,8 @@ use std::sync::{Arc, OnceLock};
 /// empty, by construction: see `Tile::sweep` in `leaf.rs`. Edges lead to the nearest node in each sector, exactly.
 /// The root is a node.
 ///
-/// Cost: as for as many nodes of one spacing, about twice as long where r changes as fast as it may; 8 bytes more a
-/// node. With the feature `parallel` tiles are filled on several threads, and the result is the same to the bit.
+/// Cost: as for as many nodes of one spacing, about twice as long where r changes as fast as it may; 8 more bytes a
+/// node for r, and up to 64 while edges are found. With the feature `parallel` tiles are filled on several threads, and the result is the same to the bit.
 ///
 /// ```
 /// use treesynth::{Silent, glam::Vec3, shape::{Cuboid, Sphere}};

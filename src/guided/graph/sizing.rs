@@ -229,13 +229,18 @@ fn signed_distances(shape: &dyn Shape, beyond: f32) -> Option<Scalars> {
     // 1980, "Euclidean distance mapping").
     let before: Vec<IVec3> = (0..13).map(|i| IVec3::new(i % 3, i / 3 % 3, i / 9) - 1).collect();
     let mut learn = |to: usize, sign: i32| {
+        let centre = place(to as i32);
+        let (here, mut best) = (at(centre), nearest[to]);
         for &offset in &before {
-            let from = place(to as i32) + offset * sign;
+            let from = centre + offset * sign;
             if from.cmpge(IVec3::ZERO).all() && from.cmplt(IVec3::splat(dim)).all() {
                 let point = nearest[(from.z * layer + from.y * dim + from.x) as usize];
-                offer(&mut nearest, to, point);
+                if point.distance_squared(here) < best.distance_squared(here) {
+                    best = point;
+                }
             }
         }
+        nearest[to] = best;
     };
     (0..inside.len()).for_each(|to| learn(to, 1));
     (0..inside.len()).rev().for_each(|to| learn(to, -1));

@@ -47,13 +47,12 @@ fn assert_full(graph: &Graph, region: &Region, spacing: &Spacing, seed: u64, cou
     let mut tried = 0;
     for i in 0..count {
         let draw = |axis| unit(seed, axis, Purpose::CUSTOM, i);
-        let place = match i % 2 {
-            0 => bounds.at(Vec3::new(draw(0), draw(1), draw(2))),
+        let place = if i % 2 == 0 {
+            bounds.at(Vec3::new(draw(0), draw(1), draw(2)))
+        } else {
             // Where nodes are dense, places should be.
-            _ => {
-                let node = graph.positions()[(draw(3) * nodes.len() as f32) as usize];
-                node + (Vec3::new(draw(0), draw(1), draw(2)) - 0.5) * 4.0 * spacing.at(node)
-            }
+            let node = graph.positions()[(draw(3) * nodes.len() as f32) as usize];
+            node + (Vec3::new(draw(0), draw(1), draw(2)) - 0.5) * 4.0 * spacing.at(node)
         };
         let r = spacing.at(place);
         if (region.room)(place) > 2.0 * r * 1.00001 {
