@@ -22,6 +22,8 @@ pub(super) const PRESETS: &[Preset] = &[
 /// Three times as fine at the crown's surface as 2.5 m off it.
 fn graded(width: f32, height: f32, nodes: usize, trunk: f32, crown: Ellipsoid, first: &[Stage]) -> TreeSynth {
     let sizing = NearSurface::new(crown, 1.0, 3.0, 2.5);
+    // Four hops of a coarse graph would lead out of the region.
+    let hops = if nodes < 20_000 { 2 } else { 4 };
     let twigs =
         |hops, count| Stage::new(fork(), HopSurface::new(hops, Count::UpTo(count)).with_outermost(0.7));
     first
@@ -31,8 +33,8 @@ fn graded(width: f32, height: f32, nodes: usize, trunk: f32, crown: Ellipsoid, f
             TreeSynth::new(GradedYao::new(region(width, height), sizing).with_nodes(nodes)),
             TreeSynth::stage,
         )
-        .stage(twigs(4, 600))
-        .stage(twigs(4, 2500))
-        .stage(twigs(3, 4000))
+        .stage(twigs(hops, 600))
+        .stage(twigs(hops, 2500))
+        .stage(twigs(hops.min(3), 4000))
         .with_radius(bark(trunk))
 }
