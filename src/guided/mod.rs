@@ -18,7 +18,10 @@ mod synth;
 mod weight;
 
 pub use endpoint::{Count, EndpointError, EndpointPolicy, HopSurface, InShape, NearestTo, Side, StageView};
-pub use graph::{Edges, Graph, GraphBuilder, GraphError, Lattice, PointCloud, PoissonYao};
+pub use graph::{
+    Edges, GradedYao, Graph, GraphBuilder, GraphError, Lattice, NearSurface, PointCloud, PoissonYao,
+    SizingField, SizingFn, Spacing,
+};
 pub use refine::Refinement;
 pub use rule::{
     Bend, BendAxis, Blend, ByHeight, ByStage, FollowField, GuidingRule, Jitter, Source, SourceElevation,

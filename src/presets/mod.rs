@@ -1,4 +1,5 @@
-//! The trees of the paper's figures, by name, and some that refine their graphs between stages.
+//! The trees of the paper's figures, by name, and some that refine their graphs between stages or grow
+//! on graphs of varying spacing.
 //!
 //! After Xu and Mould 2015, "Procedural Tree Modeling with Guiding Vectors". Angles, hops, exclusion zones and
 //! counts are the paper's where it gives them; heights (about 10 m), crowns and the rest are chosen so that the
@@ -15,6 +16,7 @@
 
 mod comparison;
 mod fine;
+mod graded;
 mod plane;
 mod rotation;
 mod variety;
@@ -82,9 +84,17 @@ impl Preset {
 
 /// All presets, in the order of the figures, then those beyond the paper.
 pub fn all() -> impl Iterator<Item = &'static Preset> {
-    [plane::PRESETS, rotation::PRESETS, volume::PRESETS, variety::PRESETS, comparison::PRESETS, fine::PRESETS]
-        .into_iter()
-        .flatten()
+    [
+        plane::PRESETS,
+        rotation::PRESETS,
+        volume::PRESETS,
+        variety::PRESETS,
+        comparison::PRESETS,
+        fine::PRESETS,
+        graded::PRESETS,
+    ]
+    .into_iter()
+    .flatten()
 }
 
 /// The preset of this name.

@@ -1,6 +1,6 @@
 //! Random regions, graphs and skeletons.
 
-use crate::guided::{Edges, Graph, GraphBuilder, Lattice, PointCloud, PoissonYao};
+use crate::guided::{Edges, GradedYao, Graph, GraphBuilder, Lattice, NearSurface, PointCloud, PoissonYao};
 use crate::observer::Silent;
 use crate::shape::{
     Bounds, Cone, Cuboid, Cylinder, Difference, Ellipsoid, HalfEllipsoid, Intersection, Shape, Shell, Sphere,
@@ -78,17 +78,21 @@ pub fn regions() -> impl Strategy<Value = Region> {
 }
 
 /// Graphs of 2 to about 600 nodes by every builder of the crate: Poisson-disc in space and in the plane, with 3
-/// to 26 sectors, jittered lattices, and clouds of points with Yao or nearest edges.
+/// to 26 sectors and of one spacing or more, jittered lattices, and clouds of points with Yao or nearest edges.
 pub fn graphs() -> impl Strategy<Value = Graph> {
     let sectors = prop_oneof![3 => Just(8usize), 1 => 3..26usize];
-    (regions(), 0..5, any::<u64>(), sectors, 2..600usize).prop_filter_map(
+    (regions(), 0..6, any::<u64>(), sectors, 2..600usize).prop_filter_map(
         "a graph with edges",
         |(region, kind, seed, sectors, nodes)| {
             let spacing = crate::math::cbrt(region.volume() / nodes as f32).max(0.1);
             let builder: Box<dyn GraphBuilder> = match kind {
                 0 | 1 => Box::new(PoissonYao::new(region).with_nodes(nodes).with_sectors(sectors)),
                 2 => Box::new(PoissonYao::new(region).with_nodes(nodes).with_sectors(sectors).planar()),
-                3 => Box::new(Lattice::new(region, spacing).with_edges(Edges::Yao(sectors))),
+                3 => {
+                    let sizing = NearSurface::new(region.clone(), 1.0, 3.0, 4.0 * spacing);
+                    Box::new(GradedYao::new(region, sizing).with_nodes(nodes).with_sectors(sectors))
+                }
+                4 => Box::new(Lattice::new(region, spacing).with_edges(Edges::Yao(sectors))),
                 _ => {
                     let mut random = crate::random::stream(seed, 0, crate::random::Purpose::CUSTOM, 0);
                     let points = (0..nodes).filter_map(|_| region.sample(&mut random)).collect();

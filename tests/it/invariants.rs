@@ -7,8 +7,8 @@ use treesynth::testing::{self, graphs, options, regions, skeletons};
 use treesynth::{
     SynthesisError,
     guided::{
-        Bend, ByStage, Count, GuidedPower, HopSurface, InShape, Jitter, Multimodal, Side, SourceElevation,
-        SourceVector,
+        Bend, ByStage, Count, GradedYao, GuidedPower, HopSurface, InShape, Jitter, Multimodal, NearSurface,
+        Side, SourceElevation, SourceVector,
     },
     radius::*,
 };
@@ -27,6 +27,12 @@ proptest! {
             Err(SynthesisError::Endpoints { .. }) => {}
             Err(error) => return Err(TestCaseError::fail(error.to_string())),
         }
+    }
+
+    #[test]
+    fn graded_graphs(region in regions(), seed: u64, nodes in 2usize..2000, away in 0.1f32..10.0) {
+        let sizing = NearSurface::new(region.clone(), 1.0, away, 0.5);
+        testing::hold_builder(&GradedYao::new(region, sizing).with_nodes(nodes), seed)?;
     }
 
     #[test]

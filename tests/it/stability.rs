@@ -4,7 +4,7 @@ use crate::sample::fnv1a;
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
 use treesynth::glam::Vec3;
-use treesynth::guided::{Edges, Graph, Lattice, PointCloud, PoissonYao};
+use treesynth::guided::{Edges, GradedYao, Graph, Lattice, NearSurface, PointCloud, PoissonYao};
 use treesynth::shape::{Cuboid, HalfEllipsoid};
 use treesynth::{GraphBuilder, Silent, Skeleton, presets};
 
@@ -53,10 +53,12 @@ fn graphs_do_not_depend_on_the_threads() {
     let points =
         PoissonYao::new(region).with_nodes(20_000).build(5, &Silent).expect("a graph").positions().to_vec();
     let dome = HalfEllipsoid::new(Vec3::ZERO, Vec3::new(3.0, 2.0, 5.0));
-    let builders: [(&str, Box<dyn GraphBuilder>); 7] = [
+    let sizing = NearSurface::new(dome, 1.0, 5.0, 2.0);
+    let builders: [(&str, Box<dyn GraphBuilder>); 8] = [
         ("poisson", Box::new(PoissonYao::new(region).with_nodes(60_000))),
         ("dome", Box::new(PoissonYao::new(dome).with_nodes(30_000).with_sectors(12))),
         ("plane", Box::new(PoissonYao::new(region).with_nodes(30_000).planar())),
+        ("graded", Box::new(GradedYao::new(region, sizing).with_nodes(40_000))),
         ("lattice", Box::new(Lattice::new(region, 0.2))),
         ("cloud", Box::new(PointCloud::new(points.clone(), Edges::Yao(8)))),
         ("wedges", Box::new(PointCloud::new(points.clone(), Edges::PlanarYao(6)))),
@@ -68,6 +70,16 @@ fn graphs_do_not_depend_on_the_threads() {
             all_the_same(&at_thread_counts(build), name);
         }
     }
+}
+
+/// A sizing field is asked on the lattice's points, then the tiles are filled: neither may depend on the platform.
+#[test]
+fn a_graded_graph_is_the_same_as_ever() {
+    let region = Cuboid::new(Vec3::new(-3.0, 0.0, -3.0), Vec3::new(3.0, 6.0, 3.0));
+    let dome = HalfEllipsoid::new(Vec3::Y, Vec3::new(2.0, 3.0, 2.0));
+    let builder = GradedYao::new(region, NearSurface::new(dome, 0.15, 0.5, 1.0));
+    let graph = builder.build(7, &Silent).expect("a graph");
+    assert_eq!(graph_hash(&graph), 0x4e6e_7f28_bf32_0df7);
 }
 
 #[test]

@@ -2,15 +2,24 @@
 
 mod bvh;
 mod cloud;
+mod graded;
+mod leaf;
 mod local;
+mod octree;
 mod poisson;
+mod scalars;
 mod sectors;
+mod sizing;
+mod spacing;
 mod tiles;
 mod yao;
 
 pub use cloud::{Edges, Lattice, PointCloud};
+pub use graded::GradedYao;
 pub(super) use local::around_tree;
 pub use poisson::PoissonYao;
+pub use sizing::{NearSurface, SizingField, SizingFn};
+pub use spacing::Spacing;
 
 use crate::observer::{Cancelled, Observer};
 use crate::parameter::ParameterError;

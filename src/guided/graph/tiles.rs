@@ -307,7 +307,7 @@ impl<'a> Tile<'a> {
 }
 
 /// A random unit vector (Marsaglia 1972), in the plane z = 0 if planar.
-fn direction(random: &mut impl Rng, planar: bool) -> Vec3 {
+pub(super) fn direction(random: &mut impl Rng, planar: bool) -> Vec3 {
     loop {
         let bits = random.next_u64();
         // Two 31-bit fractions in [-1, 1).

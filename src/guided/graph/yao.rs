@@ -24,7 +24,8 @@ pub(super) struct Adjacency {
 /// `longest` metres are left out.
 ///
 /// Nodes in the surrounding cells of a lattice settle nearly all sectors; what they leave open, mostly sectors
-/// that look out of the region, is searched in a hierarchy of boxes. O(n log n) for points spread evenly.
+/// that look out of the region or where points are sparse, is searched in a hierarchy of boxes. O(n log n) for points
+/// spread evenly.
 pub(super) fn yao(
     positions: &[Vec3],
     sectors: &Sectors,
@@ -234,7 +235,7 @@ fn outside_octant(octant: usize, from: Vec3, min: Vec3, max: Vec3) -> bool {
     (low & min.cmpge(from) | !low & max.cmplt(from)).any()
 }
 
-/// Points sorted into the cells of a lattice, about four a cell.
+/// Points sorted into the cells of a lattice, about four a cell where most of them are.
 struct Cells {
     min: Vec3,
     side: f32,
@@ -265,17 +266,20 @@ impl Cells {
                 side *= 0.95;
             }
         }
-        let dims = cells_at(side).to_array().map(|n| n as i32);
-        let cells = dims.iter().map(|&n| n as usize).product::<usize>();
-        let mut grid = Self { min, side, dims, starts: vec![0; cells + 1], points: Vec::new() };
-        for &position in positions {
-            let cell = grid.index(grid.cell(position));
-            grid.starts[cell + 1] += 1;
+        let n = positions.len() as u64;
+        let (mut grid, mut crowding) = Self::counted(positions, min, side, cells_at(side));
+        // Finer where most points crowd in few cells, for those are what takes time.
+        while crowding > 7 * n
+            && given.is_none()
+            && cells_at(side * 0.75).element_product() < 16.0 * positions.len() as f32
+        {
+            side *= 0.75;
+            (grid, crowding) = Self::counted(positions, min, side, cells_at(side));
         }
-        let crowding: u64 = grid.starts.iter().map(|&n| u64::from(n) * u64::from(n)).sum();
-        if crowding > 16 * positions.len() as u64 {
+        if crowding > 16 * n {
             return None;
         }
+        let cells = grid.starts.len() - 1;
         for cell in 0..cells {
             grid.starts[cell + 1] += grid.starts[cell];
         }
@@ -290,6 +294,19 @@ impl Cells {
             *slot += 1;
         }
         Some(grid)
+    }
+
+    /// Cells that are empty yet, but hold how many points will come before each; and the sum of the squares of these.
+    fn counted(positions: &[Vec3], min: Vec3, side: f32, dims: Vec3) -> (Self, u64) {
+        let dims = dims.to_array().map(|n| n as i32);
+        let cells = dims.iter().map(|&n| n as usize).product::<usize>();
+        let mut grid = Self { min, side, dims, starts: vec![0; cells + 1], points: Vec::new() };
+        for &position in positions {
+            let cell = grid.index(grid.cell(position));
+            grid.starts[cell + 1] += 1;
+        }
+        let crowding = grid.starts.iter().map(|&n| u64::from(n) * u64::from(n)).sum();
+        (grid, crowding)
     }
 
     #[inline]

@@ -4,8 +4,8 @@ use crate::sample::{Named, built, plot};
 use proptest::prelude::*;
 use treesynth::glam::Vec3;
 use treesynth::guided::{
-    Bend, Count, Edges, EndpointError, Graph, GraphBuilder, GraphError, HopSurface, InShape, Lattice,
-    NearestTo, PointCloud, PoissonYao, SearchError, Stage, TreeSynth,
+    Bend, Count, Edges, EndpointError, GradedYao, Graph, GraphBuilder, GraphError, HopSurface, InShape,
+    Lattice, NearSurface, NearestTo, PointCloud, PoissonYao, SearchError, SizingFn, Stage, TreeSynth,
 };
 use treesynth::shape::{Cuboid, Difference, Intersection, Sphere};
 use treesynth::{Bounds, EndpointPolicy, Shape, Silent, SynthesisError};
@@ -42,6 +42,11 @@ fn empty_regions() {
     }
     for shape in shapes() {
         assert_eq!(build_error(&Lattice::new(shape, 0.1)), GraphError::Empty);
+    }
+    let graded = |sizes: f32| GradedYao::new(hidden_nothing(), SizingFn::new(move |_| sizes));
+    for builder in [graded(0.1), graded(1.0).with_nodes(100)] {
+        let GraphError::Parameter(error) = build_error(&builder) else { panic!("{builder:?}") };
+        assert_eq!(error.parameter, "GradedYao.root");
     }
     // In the plane z = 0 there is nothing of this one.
     let behind = Sphere::new(Vec3::Z * 9.0, 1.0);
@@ -95,6 +100,9 @@ fn impossible_bounds() {
             let _ = plane(PoissonYao::new(Lies(bounds)).with_spacing(0.5)).build(1, &Silent);
         }
         let _ = Lattice::new(Lies(bounds), 0.5).build(1, &Silent);
+        let _ = GradedYao::new(Lies(bounds), SizingFn::new(|_| 0.5)).build(1, &Silent);
+        let near = NearSurface::new(Lies(bounds), 0.1, 1.0, 1.0);
+        let _ = GradedYao::new(plot(2.0, 2.0), near).with_nodes(50).build(1, &Silent);
     }
 }
 

@@ -6,9 +6,9 @@ use std::time::{Duration, Instant};
 use treesynth::field::{Helix, Scale, Source, Uniform, Vortex};
 use treesynth::glam::Vec3;
 use treesynth::guided::{
-    Bend, Blend, ByHeight, ByStage, Count, Edges, FollowField, Graph, Guided, GuidedPower, HopSurface,
-    InShape, Jitter, Lattice, Multimodal, NearestTo, PointCloud, PoissonYao, SourceElevation, Stage,
-    TreeSynth, Within,
+    Bend, Blend, ByHeight, ByStage, Count, Edges, FollowField, GradedYao, Graph, Guided, GuidedPower,
+    HopSurface, InShape, Jitter, Lattice, Multimodal, NearSurface, NearestTo, PointCloud, PoissonYao,
+    SizingFn, SourceElevation, Stage, TreeSynth, Within,
 };
 use treesynth::radius::{PipeModel, Taper, Variational};
 use treesynth::shape::{
@@ -93,6 +93,7 @@ impl std::fmt::Debug for Any {
 fn bad_shape(shape: impl Shape + Clone + 'static, parameter: &str) {
     bad_graph(PoissonYao::new(shape.clone()), parameter, Any);
     bad_graph(PoissonYao::new(shape.clone()).with_spacing(0.1), parameter, Any);
+    bad_graph(GradedYao::new(shape.clone(), SizingFn::new(|_| 0.1)), parameter, Any);
     bad_graph(Lattice::new(shape.clone(), 0.1), parameter, Any);
     bad_policy(InShape::uniform(shape.clone(), 3), parameter, Any);
     bad_weight(Within::obstacle(Guided, shape), parameter, Any);
@@ -127,6 +128,47 @@ fn graphs() {
         }
     }
     bad_graph(cube().planar().with_root(Vec3::Z * 0.5), "PoissonYao.root", Vec3::Z * 0.5);
+}
+
+#[test]
+fn graded_graphs() {
+    let region = plot(4.0, 4.0);
+    let graded = || GradedYao::new(region, SizingFn::new(|_| 0.5));
+    for nodes in [0, 1, 200_000_001, usize::MAX] {
+        bad_graph(graded().with_nodes(nodes), "GradedYao.nodes", nodes);
+    }
+    for grading in and_not_finite(&[0.0, -0.1, 1e-4, 0.141, 1.0]) {
+        bad_graph(graded().with_grading(grading), "GradedYao.grading", grading);
+    }
+    for sectors in [0, 2, 65, usize::MAX] {
+        bad_graph(graded().with_sectors(sectors), "GradedYao.sectors", sectors);
+    }
+    for root in [Vec3::X * f32::NAN, Vec3::NEG_Y, Vec3::splat(1e30)] {
+        bad_graph(graded().with_root(root), "GradedYao.root", root);
+    }
+    // Everywhere, in one place, and too fine for memory; whatever the number of nodes asked for.
+    for size in and_not_finite(&[0.0, -1.0]) {
+        bad_graph(GradedYao::new(region, SizingFn::new(move |_| size)), "GradedYao.sizing", Any);
+        let here = SizingFn::new(move |p: Vec3| if p.y > 3.9 { size } else { 1.0 });
+        bad_graph(GradedYao::new(region, here).with_nodes(100), "GradedYao.sizing", Any);
+    }
+    for size in [f32::MIN_POSITIVE, 1e-20, 1e-5, 1e-3] {
+        bad_graph(GradedYao::new(region, SizingFn::new(move |_| size)), "GradedYao.sizing", Any);
+    }
+    let ball = Sphere::new(Vec3::Y, 1.0);
+    for bad in and_not_finite(&[0.0, -1.0]) {
+        for (sizing, parameter) in [
+            (NearSurface::new(ball, bad, 1.0, 1.0), "NearSurface.at_surface"),
+            (NearSurface::new(ball, 1.0, bad, 1.0), "NearSurface.away"),
+            (NearSurface::new(ball, 1.0, 1.0, bad), "NearSurface.distance"),
+        ] {
+            bad_graph(GradedYao::new(region, sizing), parameter, bad);
+        }
+        let sizing = NearSurface::new(Sphere::new(Vec3::Y, bad), 1.0, 1.0, 1.0);
+        bad_graph(GradedYao::new(region, sizing), "Sphere.radius", bad);
+    }
+    let nothing = Difference::new(ball, region);
+    bad_graph(GradedYao::new(region, NearSurface::new(nothing, 0.1, 1.0, 1.0)), "NearSurface.shape", Any);
 }
 
 #[test]

@@ -4,9 +4,9 @@ use crate::sample::{built, cases, plot};
 use proptest::prelude::*;
 use std::f64::consts::{PI, TAU};
 use treesynth::glam::{DVec3, Vec3};
-use treesynth::guided::{Edges, Graph, Lattice, PointCloud, PoissonYao};
+use treesynth::guided::{Edges, GradedYao, Graph, Lattice, NearSurface, PointCloud, PoissonYao, SizingFn};
 use treesynth::random::{Purpose, unit};
-use treesynth::shape::{Ellipsoid, HalfEllipsoid};
+use treesynth::shape::{Ellipsoid, HalfEllipsoid, Sphere};
 
 /// How the directions around a node are divided.
 #[derive(Clone, Copy, Debug)]
@@ -190,6 +190,26 @@ proptest! {
             assert_yao(&lattice(edges), Sectors::of_edges(edges));
         }
         assert_nearest(&lattice(Edges::Nearest(7)), 7, false);
+    }
+}
+
+/// Spacings from a tenth to ten times another: few cells hold most of the nodes, or none has a suitable size.
+#[test]
+fn graphs_of_varying_spacing() {
+    let crown = Sphere::new(Vec3::Y * 3.0, 1.5);
+    let near = |ratio| GradedYao::new(plot(6.0, 6.0), NearSurface::new(crown, 1.0, ratio, 1.0));
+    let point = SizingFn::new(|p: Vec3| 0.01 + 0.13 * p.distance(Vec3::splat(1.5)));
+    for (builder, sectors) in [
+        (near(8.0), 8),
+        (near(0.1), 8),
+        (near(8.0), 12),
+        (GradedYao::new(plot(6.0, 6.0), point), 8),
+        (GradedYao::new(plot(6.0, 6.0), point), 20),
+    ] {
+        let builder = builder.with_nodes(2500).with_grading(0.14).with_sectors(sectors);
+        let (low, high) = builder.spacing().expect("a sound region").extremes();
+        assert!(high > 1.5 * low, "{low} to {high}");
+        assert_yao(&built(&builder, 1), Sectors::of_edges(Edges::Yao(sectors)));
     }
 }
 

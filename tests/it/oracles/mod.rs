@@ -2,6 +2,7 @@
 
 mod edges;
 mod endpoints;
+mod graded;
 mod nodes;
 mod paths;
 mod radii;

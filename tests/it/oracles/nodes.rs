@@ -9,9 +9,9 @@ use treesynth::random::{Purpose, unit};
 use treesynth::shape::{Cone, Cuboid, Cylinder, HalfEllipsoid, Intersection, Shell, Sphere, Union};
 
 /// A region, and the radius of a ball around a point that certainly lies in it.
-struct Region {
-    shape: Box<dyn Shape>,
-    room: fn(Vec3) -> f32,
+pub(super) struct Region {
+    pub(super) shape: Box<dyn Shape>,
+    pub(super) room: fn(Vec3) -> f32,
 }
 
 fn room_in_box(p: Vec3, min: Vec3, max: Vec3) -> f32 {
@@ -26,7 +26,7 @@ fn room_in_half_ellipsoid(p: Vec3, base: Vec3, radii: Vec3) -> f32 {
 
 const WIDE: Vec3 = Vec3::new(5.0, 2.5, 4.0);
 
-fn regions() -> Vec<Region> {
+pub(super) fn regions() -> Vec<Region> {
     let region = |shape: Box<dyn Shape>, room| Region { shape, room };
     vec![
         region(Box::new(plot(6.0, 6.0)), |p| {
@@ -75,7 +75,7 @@ fn regions() -> Vec<Region> {
 }
 
 /// A root in every region.
-fn root(region: &Region) -> Vec3 {
+pub(super) fn root(region: &Region) -> Vec3 {
     [Vec3::ZERO, Vec3::X].into_iter().find(|&p| region.shape.contains(p)).unwrap_or(Vec3::NEG_X * 0.5)
 }
 
@@ -88,7 +88,7 @@ fn assert_apart(graph: &Graph, r: f32) {
     }
 }
 
-fn assert_root(graph: &Graph, root: Vec3) {
+pub(super) fn assert_root(graph: &Graph, root: Vec3) {
     let at_root: Vec<_> = graph.positions().iter().filter(|&&p| p == root).collect();
     assert_eq!(at_root.len(), 1, "one node at the root");
     assert_eq!(graph.position(graph.root()), root);

@@ -1,0 +1,200 @@
+//! Poisson-disc nodes of varying spacing with Yao edges.
+
+use super::octree::Octree;
+use super::sectors::Sectors;
+use super::sizing::SizingField;
+use super::spacing::{Samples, Spacing};
+use super::yao::{Adjacency, yao};
+use super::{Graph, GraphBuilder, GraphError};
+use crate::observer::Observer;
+use crate::parameter::ParameterError;
+use crate::shape::Shape;
+use glam::Vec3;
+use std::sync::{Arc, OnceLock};
+
+/// The graph of [`PoissonYao`](super::PoissonYao) with a spacing r that varies: fine where a [`SizingField`] says so,
+/// coarse elsewhere.
+///
+/// r is the largest function that is nowhere above the sizing field and changes by at most the *grading* along each
+/// axis, metre for metre, both on a lattice of about two points a node; [`spacing`](Self::spacing) tells it. Two nodes
+/// p and q are at least min(r(p), r(q)) apart, and no ball of radius 2 r(c) around a point c inside the region is
+/// empty, by construction: see `Tile::sweep` in `leaf.rs`. Edges lead to the nearest node in each sector, exactly.
+/// The root is a node.
+///
+/// Cost: as for as many nodes of one spacing, about twice as long where r changes as fast as it may; 8 more bytes a
+/// node for r, and up to 64 while edges are found. With the feature `parallel` tiles are filled on several threads, and the result is the same to the bit.
+///
+/// ```
+/// use treesynth::{Silent, glam::Vec3, shape::{Cuboid, Sphere}};
+/// use treesynth::guided::{GradedYao, GraphBuilder, NearSurface};
+///
+/// // 0.1 m at the surface of a crown, 0.4 m far from it.
+/// let region = Cuboid::new(Vec3::new(-3.0, 0.0, -3.0), Vec3::new(3.0, 6.0, 3.0));
+/// let sizing = NearSurface::new(Sphere::new(Vec3::Y * 3.5, 1.5), 0.1, 0.4, 2.0);
+/// let builder = GradedYao::new(region, sizing);
+/// let graph = builder.build(42, &Silent)?;
+/// let spacing = builder.spacing()?;
+/// for node in 0..graph.nodes() as u32 {
+///     for &near in graph.neighbours(node) {
+///         let (p, q) = (graph.position(node), graph.position(near));
+///         assert!(p.distance(q) >= 0.9999 * spacing.at(p).min(spacing.at(q)));
+///     }
+/// }
+/// # Ok::<(), treesynth::guided::GraphError>(())
+/// ```
+#[derive(Clone)]
+pub struct GradedYao {
+    region: Arc<dyn Shape>,
+    sizing: Arc<dyn SizingField>,
+    nodes: Option<usize>,
+    grading: f32,
+    sectors: usize,
+    root: Vec3,
+    /// Worked out once.
+    spacing: OnceLock<Result<Arc<Spacing>, ParameterError>>,
+}
+
+impl std::fmt::Debug for GradedYao {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("GradedYao")
+            .field("nodes", &self.nodes)
+            .field("grading", &self.grading)
+            .field("sectors", &self.sectors)
+            .field("root", &self.root)
+            .finish_non_exhaustive()
+    }
+}
+
+/// The limits of `PoissonYao`: on nodes, on discs in the region's bounds, on edges.
+const MAX_NODES: f32 = 2e8;
+const MAX_DISCS: f32 = 3e9;
+const MAX_EDGES: f32 = 4e9;
+/// Steeper ones would let a tile have many more cells than nodes: see `Octree::grow`.
+const MAX_GRADING: f32 = 0.14;
+/// Points of the lattice: the fewest, the most, and how many a node.
+const POINTS: [f32; 2] = [32_768.0, 4e6];
+const POINTS_A_NODE: f32 = 2.0;
+
+impl GradedYao {
+    /// Nodes in `region`, as far apart as `sizing` says, in metres; grading 0.125, so that r doubles within 8 r;
+    /// 8 sectors, root at the origin.
+    pub fn new(region: impl Shape + 'static, sizing: impl SizingField + 'static) -> Self {
+        Self {
+            region: Arc::new(region),
+            sizing: Arc::new(sizing),
+            nodes: None,
+            grading: 0.125,
+            sectors: 8,
+            root: Vec3::ZERO,
+            spacing: OnceLock::new(),
+        }
+    }
+
+    /// About so many nodes, within an eighth, or a fifth too few where r changes everywhere as fast as it may; in
+    /// [2, 200000000]. The sizes are all multiplied by one factor; what they are in metres no longer matters.
+    pub fn with_nodes(mut self, nodes: usize) -> Self {
+        self.nodes = Some(nodes);
+        self.spacing = OnceLock::new();
+        self
+    }
+
+    /// How much r may change along each axis, metres for a metre; in [0.001, 0.14].
+    pub fn with_grading(mut self, grading: f32) -> Self {
+        self.grading = grading;
+        self.spacing = OnceLock::new();
+        self
+    }
+
+    /// The number of sectors, in [3, 64]; see [`PoissonYao::with_sectors`](super::PoissonYao::with_sectors).
+    pub fn with_sectors(mut self, sectors: usize) -> Self {
+        self.sectors = sectors;
+        self.spacing = OnceLock::new();
+        self
+    }
+
+    /// Where the root is, metres; it must lie in the region.
+    pub fn with_root(mut self, root: Vec3) -> Self {
+        self.root = root;
+        self
+    }
+
+    /// The spacing r of nodes at each place. The first call asks the sizing field; more are free.
+    ///
+    /// # Errors
+    /// When an option is out of range or the region is empty.
+    pub fn spacing(&self) -> Result<Arc<Spacing>, ParameterError> {
+        self.spacing.get_or_init(|| self.work_out().map(Arc::new)).clone()
+    }
+
+    fn work_out(&self) -> Result<Spacing, ParameterError> {
+        self.region.check()?;
+        self.sizing.check()?;
+        ParameterError::unless(
+            (0.001..=MAX_GRADING).contains(&self.grading),
+            "GradedYao.grading",
+            self.grading,
+            "in [0.001, 0.14]",
+        )?;
+        ParameterError::unless(
+            self.nodes.is_none_or(|nodes| (2..=MAX_NODES as usize).contains(&nodes)),
+            "GradedYao.nodes",
+            self.nodes.unwrap_or_default(),
+            "in [2, 200000000]",
+        )?;
+        let bounds = self.region.bounds();
+        ParameterError::unless(
+            bounds.is_finite() && bounds.volume() > 1e-30 && bounds.volume() < 1e30,
+            "GradedYao.region",
+            bounds,
+            "a shape whose bounds have a volume from 1e-30 to 1e30 m³",
+        )?;
+        // A coarse lattice tells how many nodes there will be, and that how fine the lattice should be.
+        let few = Samples::new(&*self.region, &*self.sizing, POINTS[0])?;
+        let scale = self.nodes.map(|nodes| few.scale_for(nodes as f32, self.grading, 1.0, 100));
+        let nodes = few.nodes(&few.spacing(scale.unwrap_or(1.0), self.grading));
+        let points = (nodes * POINTS_A_NODE).clamp(POINTS[0], POINTS[1]);
+        let samples =
+            if points > POINTS[0] { Samples::new(&*self.region, &*self.sizing, points)? } else { few };
+        let scale = match (self.nodes, scale) {
+            (Some(nodes), Some(guess)) => samples.scale_for(nodes as f32, self.grading, guess, 3),
+            _ => 1.0,
+        };
+        let spacing = samples.spacing(scale, self.grading);
+        let (nodes, least) = (samples.nodes(&spacing), spacing.extremes().0);
+        let fits = nodes <= MAX_NODES
+            && nodes * self.sectors as f32 <= MAX_EDGES
+            && samples.discs_in_bounds(&spacing) <= MAX_DISCS
+            && least > bounds.min.abs().max(bounds.max.abs()).max_element() * 1e-6
+            && least * 1e6 >= bounds.size().max_element();
+        ParameterError::unless(
+            fits,
+            "GradedYao.sizing",
+            format_args!("{least} m at least, for {nodes} nodes"),
+            "coarse enough for at most 200000000 nodes, 4000000000 edges and 3e9 discs in the region's bounds, and \
+             above a millionth of their coordinates",
+        )?;
+        Ok(spacing)
+    }
+}
+
+impl GraphBuilder for GradedYao {
+    fn build(&self, seed: u64, observer: &dyn Observer) -> Result<Graph, GraphError> {
+        self.check()?;
+        let spacing = self.spacing()?;
+        let positions = Octree::new(&*self.region, &spacing).nodes(self.root, seed, observer)?;
+        let Adjacency { starts, targets } =
+            yao(&positions, &Sectors::new(self.sectors, false), None, observer)?;
+        Ok(Graph::from_parts(positions, starts, targets, 0))
+    }
+
+    fn check(&self) -> Result<(), ParameterError> {
+        Sectors::check("GradedYao.sectors", self.sectors)?;
+        self.spacing()?;
+        ParameterError::unless(
+            self.region.contains(self.root),
+            "GradedYao.root",
+            self.root,
+            "a point of the region",
+        )
+    }
+}
