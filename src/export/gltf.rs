@@ -70,7 +70,11 @@ impl GlbOptions {
     }
 }
 
-/// Writes `mesh` as a glTF 2.0 binary file: positions, normals, texture coordinates if there are any, indices.
+/// Writes `mesh` as a glTF 2.0 binary file: positions, normals and indices, and tangents, texture coordinates and
+/// [wind weights](crate::surface::Wind) if there are any.
+///
+/// Wind weights are two attributes of the application's own, which viewers pass over: `_WIND_PIVOT`, the pivot in
+/// metres (`VEC3`), and `_WIND`, level, phase and stiffness (`VEC3`), all floats.
 ///
 /// glTF's axes and unit are this crate's (right-handed, +Y up, metres), so nothing is converted and every number
 /// comes back as it is. The same mesh and options give the same bytes. O(vertices + triangles) time, O(1) memory.
@@ -117,8 +121,17 @@ pub fn write_glb(mesh: &Mesh, options: &GlbOptions, writer: impl Write) -> Resul
     for vector in mesh.positions.iter().chain(&mesh.normals) {
         write_floats(&mut writer, vector.to_array())?;
     }
+    for tangent in &mesh.tangents {
+        write_floats(&mut writer, tangent.to_array())?;
+    }
     for uv in &mesh.uvs {
         write_floats(&mut writer, uv.to_array())?;
+    }
+    for wind in &mesh.wind {
+        write_floats(&mut writer, wind.pivot.to_array())?;
+    }
+    for wind in &mesh.wind {
+        write_floats(&mut writer, [wind.level, wind.phase, wind.stiffness])?;
     }
     for index in &mesh.indices {
         writer.write_all(&index.to_le_bytes())?;
@@ -154,8 +167,15 @@ impl Layout {
         let mut layout = Self { views: Vec::new(), bytes: 0 };
         layout.push(Some("POSITION"), mesh.positions.len(), 3, "VEC3");
         layout.push(Some("NORMAL"), mesh.normals.len(), 3, "VEC3");
-        if !mesh.uvs.is_empty() {
-            layout.push(Some("TEXCOORD_0"), mesh.uvs.len(), 2, "VEC2");
+        for (attribute, count, words, kind) in [
+            ("TANGENT", mesh.tangents.len(), 4, "VEC4"),
+            ("TEXCOORD_0", mesh.uvs.len(), 2, "VEC2"),
+            ("_WIND_PIVOT", mesh.wind.len(), 3, "VEC3"),
+            ("_WIND", mesh.wind.len(), 3, "VEC3"),
+        ] {
+            if count > 0 {
+                layout.push(Some(attribute), count, words, kind);
+            }
         }
         layout.push(None, mesh.indices.len(), 1, "SCALAR");
         layout
@@ -260,7 +280,7 @@ mod tests {
         let parents = (0..10u32).map(|i| i.checked_sub(1)).collect();
         let skeleton =
             Skeleton::new(points, parents).and_then(|s| s.with_radii(vec![0.03; 10])).expect("sound");
-        Tubes::default().mesh(&skeleton).expect("has a surface")
+        Tubes::default().with_wind(true).mesh(&skeleton).expect("has a surface")
     }
 
     fn word(bytes: &[u8], at: usize) -> u32 {
@@ -291,23 +311,43 @@ mod tests {
         let (json, buffer) = read(&glb);
         assert_eq!(json["buffers"][0]["byteLength"], buffer.len());
         let number = |value: &Value| value.as_u64().expect("a number") as usize;
+        let views = json["bufferViews"].as_array().expect("views");
+        let accessors = json["accessors"].as_array().expect("accessors");
+        let primitive = &json["meshes"][0]["primitives"][0];
         let mut end = 0;
-        for (view, target) in
-            json["bufferViews"].as_array().expect("views").iter().zip([34962, 34962, 34962, 34963])
-        {
-            assert_eq!((number(&view["byteOffset"]), number(&view["target"])), (end, target));
-            assert_eq!(end % 4, 0);
+        for view in views {
+            assert_eq!((number(&view["byteOffset"]), end % 4), (end, 0));
             end += number(&view["byteLength"]);
         }
-        assert_eq!(end, buffer.len());
+        assert_eq!((end, accessors.len()), (buffer.len(), views.len()));
 
-        let counts: Vec<_> =
-            json["accessors"].as_array().expect("accessors").iter().map(|a| number(&a["count"])).collect();
+        // The words of an accessor, which has a view of its own.
+        let words = |accessor: &Value, count: usize, kind: &str, target: u64| -> Vec<u32> {
+            let accessor = number(accessor);
+            let view = &views[accessor];
+            assert_eq!(number(&accessors[accessor]["count"]), count);
+            assert_eq!(
+                (accessors[accessor]["type"].as_str(), view["target"].as_u64()),
+                (Some(kind), Some(target))
+            );
+            let start = number(&view["byteOffset"]);
+            (start..start + number(&view["byteLength"])).step_by(4).map(|at| word(buffer, at)).collect()
+        };
         let vertices = mesh.positions.len();
-        assert_eq!(counts, [vertices, vertices, vertices, mesh.indices.len()]);
-        let primitive = &json["meshes"][0]["primitives"][0];
-        assert_eq!((number(&primitive["attributes"]["POSITION"]), number(&primitive["indices"])), (0, 3));
-        let position = &json["accessors"][0];
+        let same = |attribute: &str, kind: &str, floats: Vec<f32>| {
+            let found = words(&primitive["attributes"][attribute], vertices, kind, 34962);
+            assert!(found == floats.into_iter().map(f32::to_bits).collect::<Vec<_>>(), "{attribute}");
+        };
+        same("POSITION", "VEC3", mesh.positions.iter().flat_map(Vec3::to_array).collect());
+        same("NORMAL", "VEC3", mesh.normals.iter().flat_map(Vec3::to_array).collect());
+        same("TANGENT", "VEC4", mesh.tangents.iter().flat_map(glam::Vec4::to_array).collect());
+        same("TEXCOORD_0", "VEC2", mesh.uvs.iter().flat_map(glam::Vec2::to_array).collect());
+        same("_WIND_PIVOT", "VEC3", mesh.wind.iter().flat_map(|wind| wind.pivot.to_array()).collect());
+        let weights = mesh.wind.iter().flat_map(|wind| [wind.level, wind.phase, wind.stiffness]);
+        same("_WIND", "VEC3", weights.collect());
+        assert_eq!(words(&primitive["indices"], mesh.indices.len(), "SCALAR", 34963), mesh.indices);
+
+        let position = &accessors[0];
         let bounds = mesh.bounds().expect("vertices");
         for axis in 0..3 {
             for (key, bound) in [("min", bounds.min), ("max", bounds.max)] {
@@ -315,20 +355,16 @@ mod tests {
                 assert_eq!(value.to_bits(), f64::from(bound[axis]).to_bits());
             }
         }
-        for (i, index) in mesh.indices.iter().enumerate() {
-            let offset = number(&json["bufferViews"][3]["byteOffset"]);
-            assert_eq!(word(buffer, offset + 4 * i), *index);
-        }
-        assert_eq!(word(buffer, 4), mesh.positions[0].y.to_bits());
     }
 
     #[test]
-    fn texture_coordinates_are_optional() {
-        let mut mesh = tree();
-        mesh.uvs.clear();
+    fn attributes_are_optional() {
+        let bare = tree();
+        let mesh = Mesh::new(bare.positions, bare.normals, bare.indices);
         let glb = written(&mesh, &GlbOptions::default());
         let (json, _) = read(&glb);
-        assert!(json["meshes"][0]["primitives"][0]["attributes"].get("TEXCOORD_0").is_none());
+        let attributes = json["meshes"][0]["primitives"][0]["attributes"].as_object().expect("attributes");
+        assert_eq!(attributes.keys().collect::<Vec<_>>(), ["NORMAL", "POSITION"]);
         assert_eq!(json["accessors"].as_array().map(Vec::len), Some(3));
     }
 

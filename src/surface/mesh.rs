@@ -1,7 +1,7 @@
 //! Triangles as plain arrays.
 
 use crate::shape::Bounds;
-use glam::{Vec2, Vec3};
+use glam::{Vec2, Vec3, Vec4};
 
 /// A triangle mesh in metres: vertices with a normal each, and three indices a triangle, counter-clockwise seen
 /// from outside.
@@ -9,7 +9,8 @@ use glam::{Vec2, Vec3};
 /// The fields are public, so that any engine's buffers can be filled from them and any mesh can be put in.
 /// What this crate makes satisfies [`check`](Self::check); what a user puts in is checked where it is used.
 ///
-/// Memory: 24 bytes a vertex, 8 more with texture coordinates, 12 bytes a triangle.
+/// Memory: 24 bytes a vertex, 16 more with tangents, 8 with texture coordinates, 24 with wind weights; 12 bytes a
+/// triangle.
 ///
 /// ```
 /// use treesynth::{glam::Vec3, surface::Mesh};
@@ -26,10 +27,43 @@ pub struct Mesh {
     pub positions: Vec<Vec3>,
     /// A unit normal a vertex, pointing outward.
     pub normals: Vec<Vec3>,
+    /// A tangent a vertex, or none at all: the unit direction in which u grows, perpendicular to the normal, and 1 or
+    /// -1. As in glTF, normal times tangent (the cross product) times that number is the direction in which v
+    /// **falls**, for normal maps are drawn with up as up and v counts from the upper edge down.
+    pub tangents: Vec<Vec4>,
     /// A texture coordinate a vertex, or none at all. Not confined to [0, 1]: textures repeat.
     pub uvs: Vec<Vec2>,
+    /// What the wind does to each vertex, or nothing at all.
+    pub wind: Vec<Wind>,
     /// Three vertices a triangle, counter-clockwise seen from outside.
     pub indices: Vec<u32>,
+}
+
+/// How a vertex moves in the wind, as a shader needs it: each branch swings about its pivot, as a whole and by its
+/// own phase, the more the farther from the pivot and the less the stiffer.
+///
+/// ```
+/// use treesynth::{glam::Vec3, surface::Wind};
+///
+/// // One way to use it: where a vertex is at a time, for a wind that blows a limb tip of stiffness 0 so far.
+/// fn blown(wind: &Wind, position: Vec3, time: f32, gust: Vec3) -> Vec3 {
+///     let swing = treesynth::math::sin(std::f32::consts::TAU * (time + wind.phase));
+///     let reach = position.distance(wind.pivot);
+///     position + gust * swing * reach * (1.0 - wind.stiffness)
+/// }
+/// let foot = Wind { pivot: Vec3::ZERO, level: 0.0, phase: 0.0, stiffness: 1.0 };
+/// assert_eq!(blown(&foot, Vec3::X, 0.25, Vec3::Z), Vec3::X);
+/// ```
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct Wind {
+    /// Where the branch springs from the one that bears it, metres.
+    pub pivot: Vec3,
+    /// 0 on the trunk, one more on each branch than on the one that bears it.
+    pub level: f32,
+    /// In [0, 1): the same on all of a branch, spread evenly over the branches.
+    pub phase: f32,
+    /// The radius of the branch here as a part of that of the tree's foot, 0 to 1.
+    pub stiffness: f32,
 }
 
 /// Why some arrays are not a mesh.
@@ -78,6 +112,24 @@ pub enum MeshError {
         /// Its normal.
         normal: Vec3,
     },
+    /// A tangent that is not a unit vector perpendicular to the normal, within 0.001, and 1 or -1.
+    #[error(
+        "vertex {vertex} has the tangent {tangent}, but tangents must be of length 1, across the normal, and end in 1 or -1"
+    )]
+    Tangent {
+        /// The vertex.
+        vertex: usize,
+        /// Its tangent.
+        tangent: Vec4,
+    },
+    /// A wind weight that is NaN or infinite.
+    #[error("vertex {vertex} has the wind weights {wind:?}, but these must be finite")]
+    Wind {
+        /// The vertex.
+        vertex: usize,
+        /// Its weights.
+        wind: Wind,
+    },
     /// A texture coordinate that is NaN or infinite.
     #[error("vertex {vertex} has the texture coordinate {uv}, but these must be finite")]
     Uv {
@@ -97,9 +149,9 @@ pub enum MeshError {
 }
 
 impl Mesh {
-    /// A mesh without texture coordinates. Nothing is checked here; see [`check`](Self::check).
+    /// A mesh of no more than these. Nothing is checked here; see [`check`](Self::check).
     pub fn new(positions: Vec<Vec3>, normals: Vec<Vec3>, indices: Vec<u32>) -> Self {
-        Self { positions, normals, uvs: Vec::new(), indices }
+        Self { positions, normals, indices, ..Self::default() }
     }
 
     /// Gives each vertex a texture coordinate.
@@ -159,8 +211,12 @@ impl Mesh {
         if self.normals.len() != vertices {
             return Err(MeshError::Length { array: "normals", length: self.normals.len(), vertices });
         }
-        if !self.uvs.is_empty() && self.uvs.len() != vertices {
-            return Err(MeshError::Length { array: "uvs", length: self.uvs.len(), vertices });
+        for (array, length) in
+            [("tangents", self.tangents.len()), ("uvs", self.uvs.len()), ("wind", self.wind.len())]
+        {
+            if length != 0 && length != vertices {
+                return Err(MeshError::Length { array, length, vertices });
+            }
         }
         if !self.indices.len().is_multiple_of(3) {
             return Err(MeshError::Indices { indices: self.indices.len() });
@@ -172,6 +228,17 @@ impl Mesh {
         let unit = |normal: &Vec3| (normal.length_squared() - 1.0).abs() <= 2e-3;
         if let Some(vertex) = self.normals.iter().position(|normal| !unit(normal)) {
             return Err(MeshError::Normal { vertex, normal: self.normals[vertex] });
+        }
+        let sound = |(tangent, normal): (&Vec4, &Vec3)| {
+            let across = tangent.truncate();
+            unit(&across) && across.dot(*normal).abs() <= 1e-3 && [1.0, -1.0].contains(&tangent.w)
+        };
+        if let Some(vertex) = self.tangents.iter().zip(&self.normals).position(|pair| !sound(pair)) {
+            return Err(MeshError::Tangent { vertex, tangent: self.tangents[vertex] });
+        }
+        let finite = |wind: &Wind| wind.pivot.extend(wind.level + wind.phase + wind.stiffness).is_finite();
+        if let Some(vertex) = self.wind.iter().position(|wind| !finite(wind)) {
+            return Err(MeshError::Wind { vertex, wind: self.wind[vertex] });
         }
         if let Some(vertex) = self.uvs.iter().position(|uv| !uv.is_finite()) {
             return Err(MeshError::Uv { vertex, uv: self.uvs[vertex] });

@@ -2,14 +2,26 @@
 //!
 //! | builder | what it gives |
 //! |---|---|
-//! | [`Tubes`] | a generalized cylinder along each branch: fast, exact radii, branches stuck into what bears them |
+//! | [`Tubes`] | a smooth tube along each branch, with a collar where it leaves what bears it: fast, exact radii |
+//! | [`Levels`] | the same in several levels of detail, each of at most half the triangles of the one before |
+//! | [`Capsules`] | branches as [`Capsule`]s, for collisions |
 //!
-//! [`Skeleton::relaxed`](crate::Skeleton::relaxed) takes the kinks out of a skeleton first. All builders end in a [`Mesh`].
+//! [`Skeleton::relaxed`](crate::Skeleton::relaxed) takes the kinks out of a skeleton first. Meshes are plain arrays, [`Mesh`], with
+//! [`Wind`] weights where they are wanted.
 
+mod axis;
+mod capsule;
+mod circle;
+mod collar;
+mod level;
 mod mesh;
+mod simplify;
 mod tube;
+mod weave;
 
-pub use mesh::{Mesh, MeshError};
+pub use capsule::{Capsule, Capsules};
+pub use level::{Level, Levels};
+pub use mesh::{Mesh, MeshError, Wind};
 pub use tube::Tubes;
 
 use crate::ParameterError;

@@ -17,3 +17,4 @@ mod outside;
 mod refinement;
 mod sample;
 mod stability;
+mod surface;

@@ -1,0 +1,68 @@
+//! The surface of a tree at 8 sides, one thread: milliseconds, and vertices a second.
+
+mod measure;
+
+use measure::{PRESET, SEED, Samples, count, number, print_table};
+use treesynth::surface::{Capsules, Levels, Tubes};
+
+/// Nodes of the graph: four times the typical number, for about 16,000 segments.
+const NODES: usize = 600_000;
+/// What is wanted of so many segments at 8 sides, milliseconds. Time grows with the segments.
+const GOAL: f64 = 15.0;
+const GOAL_SEGMENTS: f64 = 21_000.0;
+
+fn main() {
+    measure::single_thread();
+    let mut criterion = measure::criterion();
+    let tree = measure::tree(measure::size(NODES, 10_000)).synthesize(SEED).expect("the preset grows");
+    let tree = tree.relaxed(0.5, 3).expect("sound options");
+    let eight = Tubes::default().with_sides(8).with_least_sides(8);
+    let plain = eight.clone().with_turn(7.0).with_collars(false).with_root_flare(0.0);
+    let cases = [
+        ("a ring a node", plain.clone()),
+        ("a ring a node, collars", plain.with_collars(true)),
+        ("a ring every 20°, collars, root flare", eight.clone()),
+        ("the same with wind weights", eight.with_wind(true)),
+        ("default: 12 to 4 sides", Tubes::default()),
+    ];
+    let mut samples = Samples::default();
+    let mut group = measure::group(&mut criterion, "surface");
+    group.sample_size(30);
+    let mesh = cases[0].1.mesh(&tree).expect("a surface");
+    group.bench_function("copy", |bencher| samples.time(bencher, "copy", || mesh.clone()));
+    let mut sizes = Vec::new();
+    for (name, tubes) in &cases {
+        let mesh = tubes.mesh(&tree).expect("a surface");
+        sizes.push((mesh.positions.len(), mesh.triangles().len()));
+        drop(mesh);
+        group.bench_function(*name, |bencher| samples.time(bencher, name, || tubes.mesh(&tree)));
+    }
+    group.bench_function("levels", |bencher| samples.time(bencher, "levels", || Levels::default().of(&tree)));
+    group.bench_function("capsules", |bencher| {
+        samples.time(bencher, "capsules", || Capsules::default().of(&tree));
+    });
+    group.finish();
+    criterion.final_summary();
+
+    let scale = GOAL_SEGMENTS / tree.segments() as f64;
+    let mut rows = Vec::new();
+    let names = ["copy"].into_iter().chain(cases.iter().map(|(name, _)| *name)).chain(["levels", "capsules"]);
+    // The copy is one of the first mesh.
+    let sizes = sizes.first().into_iter().chain(&sizes).map(Some).chain([None, None]);
+    for (name, size) in names.zip(sizes) {
+        let Some(time) = samples.median(name) else { continue };
+        let mut row = vec![name.to_owned(), number(time), number(time * scale), number(time * scale / GOAL)];
+        row.extend(match size {
+            Some(&(vertices, triangles)) => {
+                [count(vertices), count(triangles), number(vertices as f64 / time / 1e3)]
+            }
+            None => [const { String::new() }; 3],
+        });
+        rows.push(row);
+    }
+    print_table(
+        &format!("Preset {PRESET}, {} segments, one thread, medians:", count(tree.segments())),
+        &["", "ms", "ms for 21,000", "... / goal", "vertices", "triangles", "million vertices a second"],
+        &rows,
+    );
+}

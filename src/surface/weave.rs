@@ -1,0 +1,325 @@
+//! Rings of vertices, and the triangles between them.
+
+use super::axis::{Axes, Axis, Station};
+use super::circle::Circles;
+use super::collar::{Collar, Curve};
+use super::mesh::has_area;
+use super::{Mesh, Tubes, Wind};
+use crate::math::perpendicular;
+use glam::{Vec2, Vec3, Vec4};
+use std::f32::consts::{FRAC_1_SQRT_2, TAU};
+
+/// Steepest taper that tilts a normal: a cone this flat is a disc.
+const STEEPEST_TAPER: f32 = 1e3;
+/// Tips of at least so many sides are domes; others are cones.
+const DOME_SIDES: u32 = 7;
+/// The part of its radius with which a branch without a collar begins, so that its rim stays within its bearer.
+const HIDDEN: f32 = 0.6;
+/// The last component of every tangent: the texture's v runs along the branch, glTF's bitangent against v.
+const HANDEDNESS: f32 = -1.0;
+/// By so much do the phases of successive branches differ, so that any number of them is spread evenly.
+const GOLDEN_RATIO: f64 = 0.618_033_988_749_895;
+
+/// All that is known before the first vertex.
+#[derive(Debug)]
+pub(super) struct Plan {
+    axes: Axes,
+    /// One an axis.
+    collars: Vec<Option<Collar>>,
+    /// At most so many vertices and triangles will be made.
+    pub(super) vertices: usize,
+    pub(super) triangles: usize,
+}
+
+impl Plan {
+    pub(super) fn new(axes: Axes, options: &Tubes) -> Self {
+        let collar = |axis| Collar::of(&axes, axis).filter(|collar| options.blends(collar.end.radius));
+        let collars: Vec<_> = axes.all.iter().map(collar).collect();
+        let (mut vertices, mut triangles) = (0, 0);
+        for (axis, collar) in axes.all.iter().zip(&collars) {
+            let sides = axis.sides as usize;
+            let blended = collar.as_ref().map_or(0, |_| blends(axis.sides) as usize + 1);
+            let rings =
+                blended + line(&axes, axis, collar.as_ref()).count() + usize::from(axis.sides >= DOME_SIDES);
+            vertices += rings * (sides + 1) + 1;
+            triangles += (rings - 1) * 2 * sides + sides;
+            if options.closed_base {
+                vertices += sides + 2;
+                triangles += sides;
+            }
+        }
+        Self { axes, collars, vertices, triangles }
+    }
+
+    pub(super) fn weave(&self, options: &Tubes) -> Mesh {
+        let mut mesh = Mesh::default();
+        mesh.positions.reserve(self.vertices);
+        mesh.normals.reserve(self.vertices);
+        mesh.tangents.reserve(self.vertices);
+        mesh.uvs.reserve(self.vertices);
+        if options.wind {
+            mesh.wind.reserve(self.vertices);
+        }
+        mesh.indices.reserve(self.triangles * 3);
+        let circles = Circles::new(self.axes.all.iter().map(|axis| axis.sides));
+        let mut weaver = Weaver {
+            options,
+            mesh,
+            circle: &[],
+            tiles: 1.0,
+            line: Vec::new(),
+            curves: Vec::new(),
+            wind: None,
+            foot: self.axes.stations.first().map_or(1.0, |foot| foot.radius),
+        };
+        for (axis, collar) in self.axes.all.iter().zip(&self.collars) {
+            weaver.line.clear();
+            weaver.line.extend(line(&self.axes, axis, collar.as_ref()));
+            if axis.bearer.is_some() && collar.is_none() && options.collars {
+                weaver.line[0].radius *= HIDDEN;
+            }
+            weaver.circle = circles.of(axis.sides);
+            let first = self.axes.stations[axis.stations.start];
+            weaver.tiles = (TAU * first.radius.max(weaver.line[0].radius) / options.tile).round().max(1.0);
+            if let Some(collar) = collar {
+                collar.curves(&self.axes, &circles, axis.sides, &mut weaver.curves);
+            } else {
+                weaver.curves.clear();
+            }
+            weaver.wind = options.wind.then_some(Wind {
+                pivot: first.position,
+                level: f32::from(axis.order),
+                phase: (axis.branch as f64 * GOLDEN_RATIO).fract() as f32,
+                stiffness: 1.0,
+            });
+            weaver.weave();
+        }
+        weaver.mesh
+    }
+}
+
+/// The level rings of an axis.
+fn line<'a>(axes: &'a Axes, axis: &Axis, collar: Option<&'a Collar>) -> impl Iterator<Item = Station> + 'a {
+    let next = collar.map_or(axis.stations.start, |collar| collar.next);
+    collar.map(|collar| collar.end).into_iter().chain(axes.stations[next..axis.stations.end].iter().copied())
+}
+
+/// Rings of a collar between its foot and its end.
+fn blends(sides: u32) -> u32 {
+    (sides / 3).clamp(1, 4)
+}
+
+/// A ring in the mesh, or the single vertex it has shrunk to.
+#[derive(Debug, Clone, Copy)]
+enum Ring {
+    Circle(u32),
+    Point(u32),
+}
+
+/// Weaves one axis after another.
+struct Weaver<'a> {
+    options: &'a Tubes,
+    mesh: Mesh,
+    circle: &'a [[f32; 2]],
+    /// Textures around a ring.
+    tiles: f32,
+    /// The level rings of the present axis.
+    line: Vec<Station>,
+    /// Its collar; none if there is none.
+    curves: Vec<Curve>,
+    /// The weights of its vertices, if they are wanted.
+    wind: Option<Wind>,
+    /// The radius that is stiffest, metres.
+    foot: f32,
+}
+
+impl Weaver<'_> {
+    fn sides(&self) -> u32 {
+        self.circle.len() as u32 - 1
+    }
+
+    fn weave(&mut self) {
+        let mut before = None;
+        if !self.curves.is_empty() {
+            let blends = blends(self.sides());
+            for blend in 0..=blends {
+                let ring = self.collar(blend as f32 / (blends + 1) as f32);
+                self.go_on(&mut before, ring, self.line[0].radius);
+            }
+        }
+        for i in 0..self.line.len() {
+            let ring = self.level(i);
+            self.go_on(&mut before, ring, self.line[i].radius);
+        }
+        if let Some(ring @ Ring::Circle(_)) = before {
+            self.tip(ring);
+        }
+    }
+
+    fn go_on(&mut self, before: &mut Option<Ring>, ring: Ring, radius: f32) {
+        match *before {
+            None => self.base(ring),
+            Some(before) => self.join(before, ring),
+        }
+        *before = Some(ring);
+        self.blow(radius);
+    }
+
+    /// How fast the radius grows along the branch, metres a metre.
+    fn taper(&self, i: usize) -> f32 {
+        let (from, to) = (i.saturating_sub(1), (i + 1).min(self.line.len() - 1));
+        let length: f32 =
+            self.line[from..=to].windows(2).map(|pair| pair[0].position.distance(pair[1].position)).sum();
+        if length > 0.0 {
+            let taper = (self.line[to].radius - self.line[from].radius) / length;
+            taper.clamp(-STEEPEST_TAPER, STEEPEST_TAPER)
+        } else {
+            0.0
+        }
+    }
+
+    fn level(&mut self, i: usize) -> Ring {
+        let station = self.line[i];
+        if station.radius == 0.0 {
+            let outward = if i == 0 { -station.tangent } else { station.tangent };
+            return self.point(station.position, outward, station.normal, station.along);
+        }
+        // The normal of a cone leans against its taper; the same for the whole ring.
+        let taper = self.taper(i);
+        let lean = 1.0 / (1.0 + taper * taper).sqrt();
+        self.ring(&station, lean, -taper * lean)
+    }
+
+    /// A level ring whose normals have this part away from the axis and this part along it.
+    fn ring(&mut self, station: &Station, outward: f32, along: f32) -> Ring {
+        let first = self.mesh.positions.len() as u32;
+        let Station { position, radius, tangent, normal, .. } = *station;
+        let binormal = tangent.cross(normal);
+        let axial = tangent * along;
+        let mesh = &mut self.mesh;
+        let radial = |&[cos, sin]: &[f32; 2]| normal * cos + binormal * sin;
+        mesh.positions.extend(self.circle.iter().map(|corner| position + radial(corner) * radius));
+        mesh.normals.extend(self.circle.iter().map(|corner| radial(corner) * outward + axial));
+        mesh.tangents
+            .extend(self.circle.iter().map(|&[cos, sin]| (binormal * cos - normal * sin).extend(HANDEDNESS)));
+        let (v, step) = (station.along / self.options.tile, self.tiles / (self.circle.len() - 1) as f32);
+        mesh.uvs.extend((0..self.circle.len()).map(|corner| Vec2::new(corner as f32 * step, v)));
+        Ring::Circle(first)
+    }
+
+    /// The ring at the part `t` of the collar's curves.
+    fn collar(&mut self, t: f32) -> Ring {
+        let sides = self.sides() as usize;
+        let end = self.line[0].along;
+        let step = self.tiles / sides as f32;
+        // Where the collar comes out of the bearer's facets is not seen as long as it still has the bearer's normals.
+        let share = t * t;
+        let Mesh { positions, normals, tangents, uvs, .. } = &mut self.mesh;
+        let first = positions.len();
+        positions.extend(self.curves.iter().map(|curve| curve.point(t)));
+        let ring = &positions[first..];
+        let around =
+            |corner: usize| ring[corner % sides + 1] - ring[if corner == 0 { sides } else { corner } - 1];
+        normals.extend(self.curves.iter().enumerate().map(|(corner, curve)| {
+            let bearing = curve.normal(t);
+            let curved = around(corner).cross(curve.direction(t)).try_normalize().unwrap_or(bearing);
+            bearing.lerp(curved, share).try_normalize().unwrap_or_else(|| curved.normalize_or(Vec3::Y))
+        }));
+        let ring_normals = &normals[first..];
+        tangents.extend(ring_normals.iter().enumerate().map(|(corner, &normal)| {
+            let around = around(corner);
+            let across = (around - normal * around.dot(normal)).try_normalize();
+            across.unwrap_or_else(|| perpendicular(normal)).extend(HANDEDNESS)
+        }));
+        uvs.extend(self.curves.iter().zip(ring).enumerate().map(|(corner, (curve, position))| {
+            let rest = curve.points[2].distance(*position);
+            Vec2::new(corner as f32 * step, (end - rest) / self.options.tile)
+        }));
+        Ring::Circle(first as u32)
+    }
+
+    fn point(&mut self, position: Vec3, normal: Vec3, tangent: Vec3, along: f32) -> Ring {
+        let uv = Vec2::new(0.5 * self.tiles, along / self.options.tile);
+        Ring::Point(self.vertex(position, normal, tangent.extend(HANDEDNESS), uv))
+    }
+
+    fn vertex(&mut self, position: Vec3, normal: Vec3, tangent: Vec4, uv: Vec2) -> u32 {
+        let index = self.mesh.positions.len() as u32;
+        self.mesh.positions.push(position);
+        self.mesh.normals.push(normal);
+        self.mesh.tangents.push(tangent);
+        self.mesh.uvs.push(uv);
+        index
+    }
+
+    /// The round cap of a tube that ends with a circle.
+    fn tip(&mut self, mut ring: Ring) {
+        let last = self.line[self.line.len() - 1];
+        let height = |part: f32| last.radius * part;
+        if self.sides() >= DOME_SIDES {
+            let middle = Station {
+                position: last.position + last.tangent * height(FRAC_1_SQRT_2),
+                radius: height(FRAC_1_SQRT_2),
+                along: last.along + height(FRAC_1_SQRT_2),
+                ..last
+            };
+            let dome = self.ring(&middle, FRAC_1_SQRT_2, FRAC_1_SQRT_2);
+            self.join(ring, dome);
+            ring = dome;
+        }
+        let apex = last.position + last.tangent * last.radius;
+        let apex = self.point(apex, last.tangent, last.normal, last.along + last.radius);
+        self.join(ring, apex);
+        self.blow(last.radius);
+    }
+
+    /// The flat cap of a tube that starts with a circle; its vertices are its own, for the edge is sharp.
+    fn base(&mut self, ring: Ring) {
+        let (true, Ring::Circle(first)) = (self.options.closed_base, ring) else { return };
+        let first = first as usize;
+        let Station { tangent, normal, .. } = self.line[0];
+        let binormal = tangent.cross(normal);
+        let rim = &self.mesh.positions[first..];
+        let middle = rim[1..].iter().sum::<Vec3>() / self.sides() as f32;
+        let center = self.mesh.positions.len() as u32;
+        for i in 0..=self.circle.len() {
+            let position = if i == 0 { middle } else { self.mesh.positions[first + i - 1] };
+            let offset = (position - middle) / self.options.tile;
+            let uv = Vec2::new(offset.dot(normal), offset.dot(binormal));
+            self.vertex(position, -tangent, normal.extend(-HANDEDNESS), uv);
+        }
+        for k in center + 1..=center + self.sides() {
+            self.triangle(center, k + 1, k);
+        }
+    }
+
+    fn join(&mut self, from: Ring, to: Ring) {
+        for k in 0..self.sides() {
+            match (from, to) {
+                (Ring::Circle(a), Ring::Circle(b)) => {
+                    self.triangle(a + k, a + k + 1, b + k + 1);
+                    self.triangle(a + k, b + k + 1, b + k);
+                }
+                (Ring::Circle(a), Ring::Point(b)) => self.triangle(a + k, a + k + 1, b),
+                (Ring::Point(a), Ring::Circle(b)) => self.triangle(a, b + k + 1, b + k),
+                (Ring::Point(_), Ring::Point(_)) => return,
+            }
+        }
+    }
+
+    /// A triangle, unless rounding has left it without area; then its edges coincide and no gap is left.
+    #[inline]
+    fn triangle(&mut self, a: u32, b: u32, c: u32) {
+        if has_area([a, b, c].map(|index| self.mesh.positions[index as usize])) {
+            self.mesh.indices.extend_from_slice(&[a, b, c]);
+        }
+    }
+
+    /// Gives the vertices of the latest ring their weights.
+    fn blow(&mut self, radius: f32) {
+        if let Some(wind) = self.wind {
+            let stiffness = (radius / self.foot).min(1.0);
+            self.mesh.wind.resize(self.mesh.positions.len(), Wind { stiffness, ..wind });
+        }
+    }
+}
