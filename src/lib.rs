@@ -45,6 +45,7 @@
 
 pub mod export;
 pub mod field;
+pub mod foliage;
 pub mod guided;
 pub mod math;
 pub mod metrics;

@@ -7,6 +7,7 @@ use super::camera::View;
 use super::light::Light;
 use super::raster;
 use super::{Part, Preview};
+use crate::math;
 use glam::{Vec2, Vec3};
 use std::ops::Range;
 
@@ -334,16 +335,7 @@ impl Tones {
     const ORDER: [[u8; 4]; 4] = [[0, 8, 2, 10], [12, 4, 14, 6], [3, 11, 1, 9], [15, 7, 13, 5]];
 
     fn new() -> Self {
-        let tone = |i: usize| {
-            let linear = i as f32 / (Self::STEPS - 1) as f32;
-            let encoded = if linear <= 0.003_130_8 {
-                12.92 * linear
-            } else {
-                1.055 * crate::math::powf(linear, 1.0 / 2.4) - 0.055
-            };
-            encoded * 255.0
-        };
-        Self((0..Self::STEPS).map(tone).collect())
+        Self((0..Self::STEPS).map(|i| math::srgb(i as f32 / (Self::STEPS - 1) as f32) * 255.0).collect())
     }
 
     fn of(&self, color: Vec3, (column, row): (usize, usize)) -> [u8; 3] {

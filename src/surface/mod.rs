@@ -5,11 +5,16 @@
 //! | [`Tubes`] | a generalized cylinder along each branch: fast, exact radii, branches stuck into what bears them |
 //!
 //! [`Skeleton::relaxed`](crate::Skeleton::relaxed) takes the kinks out of a skeleton first. All builders end in a [`Mesh`].
+//! A [`Part`] is a mesh with its [`Material`], once or at many places ([`Instance`]): what is written and drawn.
 
+mod material;
 mod mesh;
+mod part;
 mod tube;
 
+pub use material::Material;
 pub use mesh::{Mesh, MeshError};
+pub use part::{Instance, Part};
 pub use tube::Tubes;
 
 use crate::ParameterError;

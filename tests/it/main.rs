@@ -5,6 +5,7 @@
 #[cfg(feature = "json")]
 mod bad_input;
 mod figures;
+mod foliage;
 #[cfg(feature = "testing")]
 mod invariants;
 mod layers;
