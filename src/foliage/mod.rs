@@ -25,7 +25,7 @@ pub use arrangement::Arrangement;
 pub use leaf::Leaf;
 
 use crate::math::UP;
-use crate::surface::{Instance, Part};
+use crate::surface::{Instance, Material, Part};
 use crate::{ParameterError, Skeleton};
 use glam::Vec3;
 use std::f32::consts::PI;
@@ -213,6 +213,12 @@ impl Foliage {
     /// those of a larger one.
     pub fn with_kept(mut self, share: f32) -> Self {
         self.kept = share;
+        self
+    }
+
+    /// How the leaf looks, in another season for example.
+    pub fn with_material(mut self, material: Material) -> Self {
+        self.leaf = self.leaf.with_material(material);
         self
     }
 

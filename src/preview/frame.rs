@@ -6,7 +6,7 @@
 use super::camera::View;
 use super::light::Light;
 use super::raster;
-use super::{Part, Preview};
+use super::{Placed, Preview};
 use crate::math;
 use glam::{Vec2, Vec3};
 use std::ops::Range;
@@ -32,7 +32,7 @@ struct Facet {
 /// Everything that is to be seen, projected.
 pub(super) struct Frame<'a> {
     preview: &'a Preview,
-    parts: &'a [Part<'a>],
+    parts: &'a [Placed<'a>],
     view: View,
     light: Light,
     /// Height of the ground, and the middle and radius of the disc of it that is drawn.
@@ -49,7 +49,7 @@ pub(super) struct Frame<'a> {
 impl<'a> Frame<'a> {
     pub(super) fn new(
         preview: &'a Preview,
-        parts: &'a [Part<'a>],
+        parts: &'a [Placed<'a>],
         view: View,
         light: Light,
         ground: Option<(Vec3, f32)>,
@@ -75,19 +75,16 @@ impl<'a> Frame<'a> {
 
     fn project(&mut self) {
         let behind = Vec3::NAN;
-        for (part, Part { mesh, two_sided, .. }) in self.parts.iter().enumerate() {
-            let seen: Vec<_> = mesh
-                .positions
-                .iter()
-                .map(|&position| self.view.project(position).unwrap_or(behind))
-                .collect();
-            for corners in mesh.triangles() {
+        for (number, part) in self.parts.iter().enumerate() {
+            let project = |&position: &Vec3| self.view.project(position).unwrap_or(behind);
+            let seen: Vec<_> = part.positions.iter().map(project).collect();
+            for corners in part.triangles() {
                 let places = corners.map(|corner| seen[corner as usize]);
                 let area = raster::double_area(places);
                 // A NaN fails this too: what reaches behind the camera is left out.
-                if area < 0.0 || (area > 0.0 && *two_sided) {
+                if area < 0.0 || (area > 0.0 && part.two_sided()) {
                     let thin = raster::is_thin(places, THIN);
-                    self.facets.push(Facet { part: part as u32, corners, flipped: area > 0.0, thin });
+                    self.facets.push(Facet { part: number as u32, corners, flipped: area > 0.0, thin });
                 }
             }
             self.projected.push(seen);
@@ -133,8 +130,8 @@ impl<'a> Frame<'a> {
         (self.starts, self.members) = (starts, members);
     }
 
-    /// Draws everything; `pixels` are the rows of a picture.
-    pub(super) fn draw(&self, pixels: &mut [[u8; 3]]) {
+    /// Draws everything; `pixels` are the rows of a picture, `alpha` too if it has any.
+    pub(super) fn draw(&self, pixels: &mut [[u8; 3]], alpha: &mut [u8]) {
         let width = self.preview.width as usize;
         let tones = Tones::new();
         let mut strip = Strip::new(self.columns, STRIP * self.samples, width * STRIP);
@@ -145,8 +142,11 @@ impl<'a> Frame<'a> {
             self.fill(members, &mut strip);
             self.strew(members, &mut strip);
             for (i, pixel) in rows.iter_mut().enumerate() {
-                let color = self.pixel(&strip, i % width, i / width, index * STRIP);
-                *pixel = tones.of(color, (i % width, index * STRIP + i / width));
+                let (color, covered) = self.pixel(&strip, i % width, i / width, index * STRIP);
+                *pixel = tones.of(color / covered.max(1e-6), (i % width, index * STRIP + i / width));
+                if let Some(alpha) = alpha.get_mut(index * STRIP * width + i) {
+                    *alpha = (covered.clamp(0.0, 1.0) * 255.0 + 0.5) as u8;
+                }
             }
         }
     }
@@ -196,17 +196,17 @@ impl<'a> Frame<'a> {
     }
 
     fn middle(&self, facet: Facet) -> Vec3 {
-        let positions = &self.parts[facet.part as usize].mesh.positions;
+        let positions = &self.parts[facet.part as usize].positions;
         facet.corners.map(|corner| positions[corner as usize]).iter().sum::<Vec3>() / 3.0
     }
 
     /// The colour of a facet at a point with these weights of its corners.
     fn shade(&self, facet: Facet, weights: [f32; 3], point: Vec3) -> Vec3 {
-        let Part { mesh, color, .. } = &self.parts[facet.part as usize];
-        let normals = facet.corners.map(|corner| mesh.normals[corner as usize]);
+        let part = &self.parts[facet.part as usize];
+        let normals = part.normals(facet.corners);
         let normal = normals[0] * weights[0] + normals[1] * weights[1] + normals[2] * weights[2];
         let normal = normal.normalize_or(normals[0]);
-        Vec3::from_array(*color) * self.light.on(point, if facet.flipped { -normal } else { normal })
+        part.color() * self.light.on(point, if facet.flipped { -normal } else { normal }, part.two_sided())
     }
 
     fn shade_sample(&self, facet: Facet, x: f32, y: f32, nearness: f32) -> Vec3 {
@@ -218,7 +218,8 @@ impl<'a> Frame<'a> {
         self.shade(facet, [1.0 - second - third, second, third], self.view.position(x, y, nearness))
     }
 
-    fn pixel(&self, strip: &Strip, column: usize, row: usize, top: usize) -> Vec3 {
+    /// A pixel's colour times what of the pixel is covered, and that.
+    fn pixel(&self, strip: &Strip, column: usize, row: usize, top: usize) -> (Vec3, f32) {
         let n = self.samples;
         let (mut color, mut holes) = (Vec3::ZERO, 0u32);
         let mut last = (NOTHING, Vec3::ZERO);
@@ -236,31 +237,53 @@ impl<'a> Frame<'a> {
             }
             color += last.1;
         }
+        let mut covered = (n * n) as f32;
         if holes > 0 {
-            color += self.backdrop(column, top + row) * holes as f32;
+            let (backdrop, opacity) = self.backdrop(column, top + row);
+            color += backdrop * holes as f32;
+            covered -= holes as f32 * (1.0 - opacity);
         }
-        color /= (n * n) as f32;
+        let whole = (n * n) as f32;
+        let (color, covered) = (color / whole, covered / whole);
         let (thin, coverage) = strip.over[row * self.preview.width as usize + column];
-        if coverage > 0.0 { color.lerp(thin / coverage, coverage.min(1.0)) } else { color }
+        if coverage > 0.0 {
+            let share = coverage.min(1.0);
+            (color.lerp(thin / coverage, share), covered + (1.0 - covered) * share)
+        } else {
+            (color, covered)
+        }
     }
 
-    /// What is seen where there is no tree: the background, and the shadow on the ground.
-    fn backdrop(&self, column: usize, row: usize) -> Vec3 {
+    /// What is seen where there is no tree, times how opaque it is, and that.
+    fn backdrop(&self, column: usize, row: usize) -> (Vec3, f32) {
+        if !self.preview.transparent {
+            return (self.ground_or_sky(column, row), 1.0);
+        }
+        // A shadow is black that lets the rest of the light through; the eye judges that in sRGB, where pictures are
+        // laid over each other.
+        let shadow = self.ground(column, row).map_or(0.0, |(light, fade)| fade * (1.0 - math::srgb(light.y)));
+        (Vec3::ZERO, shadow)
+    }
+
+    /// The background, and the shadow on the ground.
+    fn ground_or_sky(&self, column: usize, row: usize) -> Vec3 {
         let down = (row as f32 + 0.5) / self.preview.height as f32;
         let [top, bottom] = self.preview.background.map(Vec3::from_array);
         let background = top.lerp(bottom, down);
-        let Some((middle, radius)) = self.ground else { return background };
+        let Some((light, fade)) = self.ground(column, row) else { return background };
+        let color = self.preview.ground.map_or(background, Vec3::from_array);
+        background.lerp(color * light, fade)
+    }
+
+    /// What is left of the light on the ground that is seen there, and how clearly it is seen; `None` beyond its edge.
+    fn ground(&self, column: usize, row: usize) -> Option<(Vec3, f32)> {
+        let (middle, radius) = self.ground?;
         let scale = self.samples as f32;
         let (x, y) = ((column as f32 + 0.5) * scale, (row as f32 + 0.5) * scale);
-        let Some(point) = self.view.ground(x, y, middle.y) else { return background };
+        let point = self.view.ground(x, y, middle.y)?;
         let outward = point.distance(middle) / radius;
-        if outward >= 1.0 {
-            return background;
-        }
         let fade = ((1.0 - outward) * 2.0).min(1.0);
-        let fade = fade * fade * (3.0 - 2.0 * fade);
-        let color = self.preview.ground.map_or(background, Vec3::from_array);
-        background.lerp(color * self.light.on_ground(point), fade)
+        (outward < 1.0).then(|| (self.light.on_ground(point), fade * fade * (3.0 - 2.0 * fade)))
     }
 }
 

@@ -21,8 +21,7 @@ impl Instance {
     /// The mesh as it is, at the root.
     pub const IDENTITY: Self = Self { position: Vec3::ZERO, rotation: Quat::IDENTITY, scale: 1.0, node: 0 };
 
-    /// The copy of a point of the mesh is `matrix * point + self.position`; that of a normal is
-    /// `rotation_matrix * normal`.
+    /// Rotation and scale: `matrix * point + self.position` is the copy of a point of the mesh.
     pub fn matrix(&self) -> Mat3 {
         self.rotation_matrix() * self.scale
     }
@@ -33,13 +32,12 @@ impl Instance {
         Mat3::from_quat(self.rotation)
     }
 
-    fn is_sound(&self) -> bool {
+    /// Whether a mesh that reaches so far from its origin has finite copies here.
+    fn is_sound(&self, reach: f32) -> bool {
         let [x, y, z, w] = self.rotation.to_array();
         let length = x * x + y * y + z * z + w * w;
-        self.position.is_finite()
-            && (length - 1.0).abs() <= 2e-3
-            && self.scale > 0.0
-            && self.scale.is_finite()
+        let farthest = self.position.abs().max_element() + 2.0 * self.scale * reach;
+        (length - 1.0).abs() <= 2e-3 && self.scale > 0.0 && self.scale.is_finite() && farthest.is_finite()
     }
 }
 
@@ -126,7 +124,8 @@ impl<'a> Part<'a> {
     pub(crate) fn check<E: From<ParameterError> + From<MeshError>>(&self) -> Result<(), E> {
         self.material.check()?;
         self.mesh.check_arrays()?;
-        if let Some(index) = self.copies().iter().position(|instance| !instance.is_sound()) {
+        let reach = self.mesh.positions.iter().map(|p| p.abs().max_element()).fold(0.0, f32::max);
+        if let Some(index) = self.copies().iter().position(|instance| !instance.is_sound(2.0 * reach)) {
             return Err(MeshError::Instance { index, instance: self.copies()[index] }.into());
         }
         Ok(())
@@ -151,7 +150,7 @@ mod tests {
     #[test]
     fn unsound_instances_are_named() {
         let fine = Instance::IDENTITY;
-        let mesh = Mesh::default();
+        let mesh = Mesh::new(vec![Vec3::X * 10.0], vec![Vec3::X], Vec::new());
         let check = |instance: Instance| {
             let pair = [fine, instance];
             Part::new(&mesh).with_instances(&pair).check::<crate::export::ExportError>()
@@ -159,6 +158,7 @@ mod tests {
         assert!(check(fine).is_ok());
         for wrong in [
             Instance { position: Vec3::NAN, ..fine },
+            Instance { scale: 3e38, ..fine },
             Instance { rotation: Quat::from_xyzw(0.0, 0.0, 0.0, 0.5), ..fine },
             Instance { rotation: Quat::from_xyzw(f32::NAN, 0.0, 0.0, 1.0), ..fine },
             Instance { scale: 0.0, ..fine },

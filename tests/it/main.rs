@@ -4,6 +4,7 @@
 
 #[cfg(feature = "json")]
 mod bad_input;
+mod exports;
 mod figures;
 mod foliage;
 #[cfg(feature = "testing")]
