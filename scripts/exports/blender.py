@@ -23,20 +23,21 @@ for extension in ["glb", "nodes.glb"]:
     assert all(not m.node_tree or m.node_tree.nodes for m in bpy.data.materials) and len(bpy.data.materials) == len(parts)
     if extension == "glb":
         scene = bpy.context.scene
-        scene.render.engine, scene.cycles.samples, scene.cycles.device = "CYCLES", 8, "CPU"
+        scene.view_settings.view_transform = "Standard"
+        scene.render.engine, scene.cycles.samples, scene.cycles.device = "CYCLES", 16, "CPU"
         scene.render.resolution_x = scene.render.resolution_y = 400
         scene.world = bpy.data.worlds.new("sky")
-        scene.world.color = (0.8, 0.9, 1.0)
+        scene.world.color = (0.5, 0.55, 0.6)
         sun = bpy.data.objects.new("sun", bpy.data.lights.new("sun", "SUN"))
         sun.data.energy, sun.rotation_euler = 4.0, (0.7, 0.3, 0.5)
         camera = bpy.data.objects.new("camera", bpy.data.cameras.new("camera"))
-        camera.location, camera.rotation_euler = (0.0, -26.0, 6.0), (math.radians(90), 0.0, 0.0)
+        camera.location, camera.rotation_euler = (0.0, -20.0, 5.5), (math.radians(90), 0.0, 0.0)
         for item in [sun, camera]:
             scene.collection.objects.link(item)
         scene.camera = camera
         scene.render.filepath = picture
         bpy.ops.render.render(write_still=True)
         image = bpy.data.images.load(picture)
-        tones = list(image.pixels[0::4])
+        tones = image.pixels[:][0::4]
         assert max(tones) - min(tones) > 0.3, "the picture is blank"
 print(f"rendered to {picture}")

@@ -107,7 +107,7 @@ impl Sketch {
     }
 
     /// The mesh, with normals that are smooth where triangles share vertices, and texture coordinates that lay the
-    /// picture of a leaf flat over it: u across from left to right, v along from the foot to the tip.
+    /// picture of a leaf flat over it, its tip up: u goes right, v down, as glTF has it.
     pub(super) fn finish(self) -> Mesh {
         let mut normals = vec![Vec3::ZERO; self.positions.len()];
         for corners in self.indices.chunks_exact(3) {
@@ -120,7 +120,7 @@ impl Sketch {
         let high = self.positions.iter().copied().reduce(Vec3::max).unwrap_or_default();
         let uvs =
             self.positions.iter().map(|p| ((*p - low) / (high - low).max(Vec3::splat(1e-9))).truncate());
-        let uvs = uvs.collect();
+        let uvs = uvs.map(|uv| Vec2::new(uv.x, 1.0 - uv.y)).collect();
         Mesh::new(self.positions, normals, self.indices).with_uvs(uvs)
     }
 }
@@ -166,7 +166,7 @@ pub(super) fn shoot(needles: u32) -> Mesh {
         let direction = outward * sin + Vec3::Y * cos;
         let foot = Vec3::Y * (0.72 * t);
         let up = Vec3::Y * sin - outward * cos;
-        let profile = [(0.0, 0.0), (0.4, 0.035), (1.0, 0.0)];
+        let profile = [(0.0, 0.0), (0.4, 0.05), (1.0, 0.0)];
         sketch.blade(&Blade { foot, along: direction * 0.28, up, fold: 0.0, curl: 0.0, profile: &profile });
     }
     sketch.finish()
@@ -181,7 +181,7 @@ pub(super) fn add_petiole(mesh: &mut Mesh, length: f32, half_width: f32) {
     let first = mesh.positions.len() as u32;
     if mesh.uvs.len() == mesh.positions.len() {
         // Where a picture of a leaf has its midrib.
-        mesh.uvs.extend([Vec2::new(0.5, 0.0); 4]);
+        mesh.uvs.extend([Vec2::new(0.5, 1.0); 4]);
     }
     mesh.positions.extend(stalk.positions);
     mesh.normals.extend(stalk.normals);

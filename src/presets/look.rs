@@ -115,10 +115,11 @@ pub(super) const WILLOW: Look = Look {
     leaves: Some(|| {
         Foliage::new(Leaf::lanceolate().with_petiole(0.08))
             .with_arrangement(Arrangement::SPIRAL)
-            .with_size(0.1)
+            .with_spacing(0.018)
+            .with_size(0.13)
             .with_rise(-0.8)
             .with_turn(0.4)
-            .with_reach(1.2)
+            .with_reach(2.0)
     }),
 };
 
@@ -162,10 +163,11 @@ pub(super) const SPRUCE: Look = Look {
     leaves: Some(|| {
         Foliage::new(Leaf::needles())
             .with_arrangement(Arrangement::SPIRAL)
-            .with_spacing(0.045)
-            .with_size(0.11)
+            .with_spacing(0.035)
+            .with_size(0.16)
             .with_angle(0.7)
             .with_turn(0.2)
-            .with_reach(0.9)
+            .with_reach(1.4)
+            .with_thickest(0.015)
     }),
 };

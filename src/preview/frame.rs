@@ -4,11 +4,11 @@
 //! shaded, once a pixel and triangle. Thin triangles (see [`raster`]) are laid over the pixels by their area.
 
 use super::camera::View;
-use super::light::Light;
+use super::light::{Light, Seen};
 use super::raster;
 use super::{Placed, Preview};
 use crate::math;
-use glam::{Vec2, Vec3};
+use glam::{Vec2, Vec3, Vec3Swizzles};
 use std::ops::Range;
 
 /// Rows of pixels in a strip: its samples stay in the cache.
@@ -17,6 +17,10 @@ const STRIP: usize = 24;
 const NOTHING: u32 = u32::MAX;
 /// Triangles lower than this many samples are thin.
 const THIN: f32 = 1.5;
+/// The same for leaves: their triangles lie side by side, so that what one misses the next one meets.
+const THIN_LEAF: f32 = 0.4;
+/// A facet smaller than this many pixels is shaded once and not at every pixel.
+const SMALL: f32 = 4.0;
 /// Part of a pixel over which something thin passes on into the next one.
 const SOFTNESS: f32 = 0.75;
 
@@ -27,6 +31,7 @@ struct Facet {
     corners: [u32; 3],
     flipped: bool,
     thin: bool,
+    small: bool,
 }
 
 /// Everything that is to be seen, projected.
@@ -83,8 +88,17 @@ impl<'a> Frame<'a> {
                 let area = raster::double_area(places);
                 // A NaN fails this too: what reaches behind the camera is left out.
                 if area < 0.0 || (area > 0.0 && part.two_sided()) {
-                    let thin = raster::is_thin(places, THIN);
-                    self.facets.push(Facet { part: number as u32, corners, flipped: area > 0.0, thin });
+                    let thin = raster::is_thin(places, if part.two_sided() { THIN_LEAF } else { THIN });
+                    let [a, b, c] = places.map(Vec3::xy);
+                    let extent = (a.max(b).max(c) - a.min(b).min(c)).max_element();
+                    let small = extent < SMALL * self.samples as f32;
+                    self.facets.push(Facet {
+                        part: number as u32,
+                        corners,
+                        flipped: area > 0.0,
+                        thin,
+                        small,
+                    });
                 }
             }
             self.projected.push(seen);
@@ -135,14 +149,16 @@ impl<'a> Frame<'a> {
         let width = self.preview.width as usize;
         let tones = Tones::new();
         let mut strip = Strip::new(self.columns, STRIP * self.samples, width * STRIP);
+        let mut shades = Shades::new(self.facets.len(), self.parts);
         for (index, rows) in pixels.chunks_mut(width * STRIP).enumerate() {
             let height = rows.len() / width;
             strip.clear(index * STRIP * self.samples, height * self.samples);
             let members = &self.members[self.starts[index]..self.starts[index + 1]];
             self.fill(members, &mut strip);
-            self.strew(members, &mut strip);
+            self.strew(members, &mut strip, &mut shades);
             for (i, pixel) in rows.iter_mut().enumerate() {
-                let (color, covered) = self.pixel(&strip, i % width, i / width, index * STRIP);
+                let place = (i % width, i / width);
+                let (color, covered) = self.pixel(&strip, &mut shades, place, index * STRIP);
                 *pixel = tones.of(color / covered.max(1e-6), (i % width, index * STRIP + i / width));
                 if let Some(alpha) = alpha.get_mut(index * STRIP * width + i) {
                     *alpha = (covered.clamp(0.0, 1.0) * 255.0 + 0.5) as u8;
@@ -168,12 +184,12 @@ impl<'a> Frame<'a> {
         }
     }
 
-    fn strew(&self, members: &[u32], strip: &mut Strip) {
-        let thin = || members.iter().map(|&member| self.facets[member as usize]).filter(|facet| facet.thin);
+    fn strew(&self, members: &[u32], strip: &mut Strip, shades: &mut Shades) {
+        let thin = || members.iter().map(|&m| (m, self.facets[m as usize])).filter(|(_, facet)| facet.thin);
         // Surfaces of many small triangles hide what is behind them, although none of them is solid.
         strip.nearest.copy_from_slice(&strip.solid);
         let rows = strip.top..strip.top + strip.rows;
-        for facet in thin() {
+        for (_, facet) in thin() {
             raster::fill(self.places(facet), self.columns, rows.clone(), |x, y, nearness| {
                 let nearest = &mut strip.nearest[(y - strip.top) * self.columns + x];
                 *nearest = nearest.max(nearness);
@@ -182,31 +198,50 @@ impl<'a> Frame<'a> {
         let margin = self.samples as f32;
         let low = Vec2::new(-margin, strip.top as f32 - margin);
         let high = Vec2::new(self.columns as f32, (strip.top + strip.rows) as f32) + margin;
-        for facet in thin() {
-            let mut color = None;
+        for (member, facet) in thin() {
             raster::strew(self.places(facet), low, high, |place, area| {
                 if strip.hides(place, self.view.step(place.z) * 2.0 * margin, self.columns) {
                     return;
                 }
-                let color =
-                    *color.get_or_insert_with(|| self.shade(facet, [1.0 / 3.0; 3], self.middle(facet)));
-                strip.lay(place, area, color, self.samples);
+                strip.lay(place, area, self.shade_middle(member, shades), self.samples);
             });
         }
     }
 
-    fn middle(&self, facet: Facet) -> Vec3 {
-        let positions = &self.parts[facet.part as usize].positions;
-        facet.corners.map(|corner| positions[corner as usize]).iter().sum::<Vec3>() / 3.0
+    /// The colour of a facet at its middle, worked out no more than once. A leaf as small as that sees the same of sun
+    /// and sky all over.
+    fn shade_middle(&self, member: u32, shades: &mut Shades) -> Vec3 {
+        let facet = self.facets[member as usize];
+        let Shades { facets, copies } = shades;
+        *facets[member as usize].get_or_insert_with(|| {
+            let part = &self.parts[facet.part as usize];
+            match part.copy_of(facet.corners[0]).filter(|_| facet.small) {
+                Some((copy, middle)) => {
+                    let seen = &mut copies[facet.part as usize][copy];
+                    let seen = *seen.get_or_insert_with(|| self.light.seen(middle));
+                    let normal = self.normal(facet, [1.0 / 3.0; 3]);
+                    part.color() * self.light.falling(seen, normal, part.two_sided())
+                }
+                None => {
+                    let corners = facet.corners.map(|corner| part.positions[corner as usize]);
+                    self.shade(facet, [1.0 / 3.0; 3], corners.iter().sum::<Vec3>() / 3.0)
+                }
+            }
+        })
+    }
+
+    /// The normal of a facet, on the side that is seen, at a point with these weights of its corners.
+    fn normal(&self, facet: Facet, weights: [f32; 3]) -> Vec3 {
+        let normals = self.parts[facet.part as usize].normals(facet.corners);
+        let normal = normals[0] * weights[0] + normals[1] * weights[1] + normals[2] * weights[2];
+        let normal = normal.normalize_or(normals[0]);
+        if facet.flipped { -normal } else { normal }
     }
 
     /// The colour of a facet at a point with these weights of its corners.
     fn shade(&self, facet: Facet, weights: [f32; 3], point: Vec3) -> Vec3 {
         let part = &self.parts[facet.part as usize];
-        let normals = part.normals(facet.corners);
-        let normal = normals[0] * weights[0] + normals[1] * weights[1] + normals[2] * weights[2];
-        let normal = normal.normalize_or(normals[0]);
-        part.color() * self.light.on(point, if facet.flipped { -normal } else { normal }, part.two_sided())
+        part.color() * self.light.on(point, self.normal(facet, weights), part.two_sided())
     }
 
     fn shade_sample(&self, facet: Facet, x: f32, y: f32, nearness: f32) -> Vec3 {
@@ -219,7 +254,13 @@ impl<'a> Frame<'a> {
     }
 
     /// A pixel's colour times what of the pixel is covered, and that.
-    fn pixel(&self, strip: &Strip, column: usize, row: usize, top: usize) -> (Vec3, f32) {
+    fn pixel(
+        &self,
+        strip: &Strip,
+        shades: &mut Shades,
+        (column, row): (usize, usize),
+        top: usize,
+    ) -> (Vec3, f32) {
         let n = self.samples;
         let (mut color, mut holes) = (Vec3::ZERO, 0u32);
         let mut last = (NOTHING, Vec3::ZERO);
@@ -232,8 +273,14 @@ impl<'a> Frame<'a> {
                 continue;
             }
             if member != last.0 {
+                let facet = self.facets[member as usize];
                 let (x, y) = (x as f32 + 0.5, (y + strip.top) as f32 + 0.5);
-                last = (member, self.shade_sample(self.facets[member as usize], x, y, strip.solid[at]));
+                let color = if facet.small {
+                    self.shade_middle(member, shades)
+                } else {
+                    self.shade_sample(facet, x, y, strip.solid[at])
+                };
+                last = (member, color);
             }
             color += last.1;
         }
@@ -284,6 +331,21 @@ impl<'a> Frame<'a> {
         let outward = point.distance(middle) / radius;
         let fade = ((1.0 - outward) * 2.0).min(1.0);
         (outward < 1.0).then(|| (self.light.on_ground(point), fade * fade * (3.0 - 2.0 * fade)))
+    }
+}
+
+/// What has been worked out once and is asked for again.
+struct Shades {
+    /// The colour of each facet at its middle.
+    facets: Vec<Option<Vec3>>,
+    /// What each copy of each part sees.
+    copies: Vec<Vec<Option<Seen>>>,
+}
+
+impl Shades {
+    fn new(facets: usize, parts: &[Placed<'_>]) -> Self {
+        let copies = parts.iter().map(|part| vec![None; part.copies()]).collect();
+        Self { facets: vec![None; facets], copies }
     }
 }
 

@@ -14,6 +14,13 @@ const TRANSMITTED: f32 = 0.5;
 /// Light from the ground on a surface that faces down.
 const GROUND: Vec3 = Vec3::new(0.5, 0.47, 0.43);
 
+/// The parts of sun and sky that are seen from a place, 0 to 1.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Seen {
+    sun: f32,
+    sky: f32,
+}
+
 pub(super) struct Light {
     sun: Vec3,
     shadow: ShadowMap,
@@ -42,15 +49,26 @@ impl Light {
     /// The light that falls on a point of a surface, or comes through it from behind if it is `thin`.
     pub(super) fn on(&self, point: Vec3, normal: Vec3, thin: bool) -> Vec3 {
         let facing = normal.dot(self.sun);
-        let sun = if facing > 0.0 {
-            SUN * (facing * self.shadow.light(point, normal))
-        } else if thin {
-            SUN * (-facing * TRANSMITTED * self.shadow.light(point, -normal))
+        let sun = if facing > 0.0 || thin {
+            self.shadow.light(point, if facing > 0.0 { normal } else { -normal })
         } else {
-            Vec3::ZERO
+            0.0
         };
-        let open = self.ambient.light(point, normal);
-        sun + GROUND.lerp(SKY, 0.5 + 0.5 * normal.y) * open
+        self.falling(Seen { sun, sky: self.ambient.light(point, normal) }, normal, thin)
+    }
+
+    /// What a whole leaf sees, from its middle.
+    pub(super) fn seen(&self, middle: Vec3) -> Seen {
+        Seen { sun: self.shadow.light(middle, self.sun), sky: self.ambient.light(middle, Vec3::ZERO) }
+    }
+
+    /// The light on a surface that sees so much of sun and sky.
+    pub(super) fn falling(&self, seen: Seen, normal: Vec3, thin: bool) -> Vec3 {
+        let facing = normal.dot(self.sun);
+        let slope = if facing > 0.0 || !thin { facing.max(0.0) } else { -facing * TRANSMITTED };
+        // Among leaves light goes on from one to the next.
+        let sky = if thin { seen.sky.sqrt() } else { seen.sky };
+        SUN * (slope * seen.sun) + GROUND.lerp(SKY, 0.5 + 0.5 * normal.y) * sky
     }
 
     /// What is left of the light on level ground, each channel 0 to 1.

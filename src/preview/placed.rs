@@ -8,6 +8,8 @@ pub(super) struct Placed<'a> {
     part: Part<'a>,
     /// Copy by copy, each with all vertices of the mesh.
     pub(super) positions: Cow<'a, [Vec3]>,
+    /// The mean of the mesh's vertices.
+    middle: Vec3,
 }
 
 impl<'a> Placed<'a> {
@@ -23,7 +25,9 @@ impl<'a> Placed<'a> {
             }
             Cow::Owned(positions)
         };
-        Self { part: *part, positions }
+        let mesh = part.mesh();
+        let middle = mesh.positions.iter().sum::<Vec3>() / mesh.positions.len() as f32;
+        Self { part: *part, positions, middle }
     }
 
     pub(super) fn color(&self) -> Vec3 {
@@ -42,6 +46,18 @@ impl<'a> Placed<'a> {
             let first = copy * mesh.positions.len() as u32;
             mesh.triangles().map(move |corners| corners.map(|corner| first + corner))
         })
+    }
+
+    pub(super) fn copies(&self) -> usize {
+        self.part.copies().len()
+    }
+
+    /// The copy a vertex belongs to, if there are several, and the middle of that copy.
+    pub(super) fn copy_of(&self, vertex: u32) -> Option<(usize, Vec3)> {
+        let instances = self.part.instances()?;
+        let copy = vertex as usize / self.part.mesh().positions.len();
+        let instance = &instances[copy];
+        Some((copy, instance.matrix() * self.middle + instance.position))
     }
 
     /// The normals at the corners of a triangle.
