@@ -31,7 +31,7 @@ for extension in ["glb", "nodes.glb"]:
         sun = bpy.data.objects.new("sun", bpy.data.lights.new("sun", "SUN"))
         sun.data.energy, sun.rotation_euler = 4.0, (0.7, 0.3, 0.5)
         camera = bpy.data.objects.new("camera", bpy.data.cameras.new("camera"))
-        camera.location, camera.rotation_euler = (0.0, -20.0, 5.5), (math.radians(90), 0.0, 0.0)
+        camera.location, camera.rotation_euler = (0.0, -24.0, 6.0), (math.radians(90), 0.0, 0.0)
         for item in [sun, camera]:
             scene.collection.objects.link(item)
         scene.camera = camera

@@ -31,7 +31,7 @@ try {
     if (object.isMesh) triangles += object.geometry.index.count / 3 * (object.isInstancedMesh ? object.count : 1);
   });
   const camera = new THREE.PerspectiveCamera(35, 1, 0.1, 200);
-  camera.position.set(0, 6, 20);
+  camera.position.set(0, 6, 26);
   camera.lookAt(0, 5, 0);
   renderer.render(scene, camera);
   await report(JSON.stringify({ triangles, picture: renderer.domElement.toDataURL() }));

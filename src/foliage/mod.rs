@@ -30,7 +30,7 @@ use crate::{ParameterError, Skeleton};
 use glam::Vec3;
 use std::f32::consts::PI;
 
-/// Most leaves of one tree, 16.8 million: 600 MB of instances.
+/// Most leaves of one tree, 16.8 million: 800 MB of instances.
 const MOST_LEAVES: f64 = (1 << 24) as f64;
 
 /// Why there are no leaves.
@@ -81,7 +81,7 @@ impl Leaves {
 /// midribs to the light. No leaf stands inside of the branch that bears the twig.
 ///
 /// Random numbers are drawn for each leaf from its branch and its number on it, so leaves stay where they are when
-/// others are [thinned](Self::with_kept) out. O(nodes + leaves) time; 36 bytes of memory a leaf, padded to 48.
+/// others are [thinned](Self::with_kept) out. O(nodes + leaves) time; 48 bytes of memory a leaf.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Foliage {
     leaf: Leaf,

@@ -61,14 +61,18 @@ pub(super) const ELM: Look = Look {
     bark: [98, 84, 71],
     summer: [78, 112, 46],
     autumn: [206, 168, 58],
-    leaves: Some(|| Foliage::new(Leaf::ovate().with_petiole(0.1)).with_size(0.085)),
+    leaves: Some(|| {
+        Foliage::new(Leaf::ovate().with_petiole(0.1)).with_spacing(0.02).with_size(0.11).with_reach(0.9)
+    }),
 };
 
 pub(super) const LINDEN: Look = Look {
     bark: [104, 94, 82],
     summer: [88, 126, 52],
     autumn: [214, 184, 72],
-    leaves: Some(|| Foliage::new(Leaf::deltoid().with_petiole(0.4)).with_spacing(0.035).with_size(0.08)),
+    leaves: Some(|| {
+        Foliage::new(Leaf::deltoid().with_petiole(0.4)).with_spacing(0.025).with_size(0.11).with_reach(0.9)
+    }),
 };
 
 pub(super) const OAK: Look = Look {
@@ -78,8 +82,9 @@ pub(super) const OAK: Look = Look {
     leaves: Some(|| {
         Foliage::new(Leaf::sinuate().with_petiole(0.06))
             .with_arrangement(Arrangement::SPIRAL)
-            .with_size(0.11)
-            .with_reach(0.45)
+            .with_spacing(0.02)
+            .with_size(0.13)
+            .with_reach(0.7)
     }),
 };
 
@@ -129,10 +134,11 @@ pub(super) const BIRCH: Look = Look {
     autumn: [222, 190, 70],
     leaves: Some(|| {
         Foliage::new(Leaf::deltoid().with_petiole(0.4))
-            .with_size(0.055)
+            .with_spacing(0.016)
+            .with_size(0.075)
             .with_rise(-0.4)
             .with_disorder(0.5)
-            .with_reach(0.8)
+            .with_reach(1.0)
     }),
 };
 
@@ -143,9 +149,10 @@ pub(super) const POPLAR: Look = Look {
     leaves: Some(|| {
         Foliage::new(Leaf::deltoid().with_petiole(0.8))
             .with_arrangement(Arrangement::SPIRAL)
-            .with_spacing(0.035)
-            .with_size(0.08)
+            .with_spacing(0.022)
+            .with_size(0.1)
             .with_disorder(0.6)
+            .with_reach(0.9)
     }),
 };
 
@@ -153,7 +160,9 @@ pub(super) const HAZEL: Look = Look {
     bark: [122, 104, 84],
     summer: [96, 130, 56],
     autumn: [212, 178, 74],
-    leaves: Some(|| Foliage::new(Leaf::ovate().with_petiole(0.12)).with_spacing(0.04).with_size(0.09)),
+    leaves: Some(|| {
+        Foliage::new(Leaf::ovate().with_petiole(0.12)).with_spacing(0.025).with_size(0.12).with_reach(0.9)
+    }),
 };
 
 pub(super) const SPRUCE: Look = Look {
