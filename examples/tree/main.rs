@@ -52,11 +52,15 @@ fn run(options: &Options) -> Result<(), Failure> {
     let skeleton = &growth.skeleton;
     let relaxed = skeleton.relaxed(0.5, 3)?;
     let mut bark = Mesh::default();
-    step("mesh", &mut || Ok(bark = Tubes::default().mesh(&relaxed)?))?;
+    step("mesh", &mut || {
+        bark = Tubes::default().mesh(&relaxed)?;
+        Ok(())
+    })?;
     let mut leaves = None;
     step("leaves", &mut || {
         let foliage = preset.foliage(options.season);
-        Ok(leaves = foliage.map(|foliage| foliage.place(&relaxed, seed)).transpose()?)
+        leaves = foliage.map(|foliage| foliage.place(&relaxed, seed)).transpose()?;
+        Ok(())
     })?;
     let bark = Part::new(&bark).with_material(preset.bark());
     let parts: Vec<_> = [bark].into_iter().chain(leaves.as_ref().map(Leaves::part)).collect();

@@ -106,7 +106,8 @@ pub fn write_svg(skeleton: &Skeleton, options: &SvgOptions, writer: impl Write) 
     let mut lines = Vec::with_capacity(skeleton.segments());
     for (node, parent) in skeleton.edges() {
         let radius = skeleton.radii()[node];
-        [node, parent].into_iter().for_each(|end| include(end, radius));
+        include(node, radius);
+        include(parent, radius);
         let [near, far] = [node, parent].map(|end| skeleton.positions()[end].dot(back));
         lines.push((0.5 * near + 0.5 * far, node, parent));
     }

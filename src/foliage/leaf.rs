@@ -84,7 +84,9 @@ impl Leaf {
 
     fn of(blades: &[Blade<'_>]) -> Self {
         let mut sketch = Sketch::default();
-        blades.iter().for_each(|blade| sketch.blade(blade));
+        for blade in blades {
+            sketch.blade(blade);
+        }
         Self::new(sketch.finish())
     }
 

@@ -113,7 +113,9 @@ impl Sketch {
         for corners in self.indices.chunks_exact(3) {
             let [a, b, c] = [0, 1, 2].map(|i| self.positions[corners[i] as usize]);
             let normal = (b - a).cross(c - a);
-            corners.iter().for_each(|&corner| normals[corner as usize] += normal);
+            for &corner in corners {
+                normals[corner as usize] += normal;
+            }
         }
         let normals = normals.into_iter().map(|normal| normal.normalize_or(Vec3::Z)).collect();
         let low = self.positions.iter().copied().reduce(Vec3::min).unwrap_or_default();

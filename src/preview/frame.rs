@@ -215,17 +215,14 @@ impl<'a> Frame<'a> {
         let Shades { facets, copies } = shades;
         *facets[member as usize].get_or_insert_with(|| {
             let part = &self.parts[facet.part as usize];
-            match part.copy_of(facet.corners[0]).filter(|_| facet.small) {
-                Some((copy, middle)) => {
-                    let seen = &mut copies[facet.part as usize][copy];
-                    let seen = *seen.get_or_insert_with(|| self.light.seen(middle));
-                    let normal = self.normal(facet, [1.0 / 3.0; 3]);
-                    part.color() * self.light.falling(seen, normal, part.two_sided())
-                }
-                None => {
-                    let corners = facet.corners.map(|corner| part.positions[corner as usize]);
-                    self.shade(facet, [1.0 / 3.0; 3], corners.iter().sum::<Vec3>() / 3.0)
-                }
+            if let Some((copy, middle)) = part.copy_of(facet.corners[0]).filter(|_| facet.small) {
+                let seen = &mut copies[facet.part as usize][copy];
+                let seen = *seen.get_or_insert_with(|| self.light.seen(middle));
+                let normal = self.normal(facet, [1.0 / 3.0; 3]);
+                part.color() * self.light.falling(seen, normal, part.two_sided())
+            } else {
+                let corners = facet.corners.map(|corner| part.positions[corner as usize]);
+                self.shade(facet, [1.0 / 3.0; 3], corners.iter().sum::<Vec3>() / 3.0)
             }
         })
     }

@@ -130,14 +130,15 @@ impl<'a> Document<'a> {
             let name = if index == 0 { options.name.clone() } else { format!("{}_lod{index}", options.name) };
             let mut node = format!(r#"{{"name":{}"#, escaped(&name));
             // A mesh alone needs no node around it; importers expect geometry in the levels themselves.
-            match &level[..] {
-                [Placed { mesh, instances: None, .. }] => push(&mut node, format_args!(r#","mesh":{mesh}"#)),
-                _ => {
-                    let first = levels + others.len();
-                    level.iter().for_each(|placed| placed.nodes(&mut others));
-                    let children = list(first..levels + others.len(), |child| child.to_string());
-                    push(&mut node, format_args!(r#","children":[{children}]"#));
+            if let [Placed { mesh, instances: None, .. }] = &level[..] {
+                push(&mut node, format_args!(r#","mesh":{mesh}"#));
+            } else {
+                let first = levels + others.len();
+                for placed in level {
+                    placed.nodes(&mut others);
                 }
+                let children = list(first..levels + others.len(), |child| child.to_string());
+                push(&mut node, format_args!(r#","children":[{children}]"#));
             }
             if index == 0 && levels > 1 {
                 let ids = list(1..levels, |id| id.to_string());
