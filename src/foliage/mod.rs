@@ -7,11 +7,12 @@
 //! use treesynth::foliage::{Arrangement, Foliage, Leaf};
 //! use treesynth::{Skeleton, glam::Vec3};
 //!
-//! let twig = Skeleton::new(vec![Vec3::ZERO, Vec3::Y * 0.3], vec![None, Some(0)])?.with_radii(vec![0.003; 2])?;
+//! let twig = Skeleton::new(vec![Vec3::ZERO, Vec3::Y * 0.28], vec![None, Some(0)])?.with_radii(vec![0.003; 2])?;
 //! let maple = Foliage::new(Leaf::lobed().with_petiole(0.6))
 //!     .with_arrangement(Arrangement::Decussate)
 //!     .with_spacing(0.05);
 //! let leaves = maple.place(&twig, 7)?;
+//! // Pairs 0, 5, 10, 15, 20 and 25 cm from the tip.
 //! assert_eq!(leaves.instances.len(), 12);
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
