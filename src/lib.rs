@@ -11,8 +11,8 @@
 //! # The way through
 //!
 //! [`shape`] and [`field`] say where a tree may grow and what pulls on it; [`guided`] grows it; a [`Skeleton`] is
-//! what comes out; [`radius`] makes it thick, [`metrics`] measures it, [`surface`] makes triangles of it, [`export`]
-//! writes files, and [`preview`](https://docs.rs/treesynth/latest/treesynth/preview/) draws pictures. [`presets`] has
+//! what comes out; [`radius`] makes it thick, [`metrics`] measures it, [`surface`] makes triangles of it, [`foliage`]
+//! puts leaves on it, [`export`] writes files, and [`preview`](https://docs.rs/treesynth/latest/treesynth/preview/) draws pictures. [`presets`] has
 //! the trees of the paper's figures, ready made.
 //!
 //! ```
@@ -45,6 +45,7 @@
 
 pub mod export;
 pub mod field;
+pub mod foliage;
 pub mod guided;
 pub mod math;
 pub mod metrics;

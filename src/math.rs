@@ -69,6 +69,12 @@ pub fn cbrt(x: f32) -> f32 {
     libm::cbrtf(x)
 }
 
+/// A linear channel of light, cut off at 0 and 1, as the sRGB standard encodes it (IEC 61966-2-1); 0 to 1.
+pub fn srgb(linear: f32) -> f32 {
+    let linear = linear.clamp(0.0, 1.0);
+    if linear <= 0.003_130_8 { 12.92 * linear } else { 1.055 * powf(linear, 1.0 / 2.4) - 0.055 }
+}
+
 /// A unit vector perpendicular to the unit vector `v`.
 #[inline]
 pub fn perpendicular(v: Vec3) -> Vec3 {

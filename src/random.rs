@@ -23,6 +23,8 @@ impl Purpose {
     pub const JITTER: Self = Self(4);
     /// Random weights of edges when distances stand in for hops.
     pub const EDGE_WEIGHT: Self = Self(5);
+    /// What distinguishes a leaf from its neighbours, and which leaves fall.
+    pub const LEAVES: Self = Self(16);
     /// The first purpose that the crate itself never uses.
     pub const CUSTOM: Self = Self(1 << 16);
 }

@@ -1,4 +1,4 @@
-//! Draws every preset, and a sheet for each figure, into `docs/figures/`.
+//! Draws every preset, a sheet for each figure, and a sheet of all trees in summer, into `docs/figures/`.
 //!
 //!     cargo run --release --example gallery -- [--nodes N] [--out DIR] [--size PIXELS] [--only TEXT]
 
@@ -11,10 +11,11 @@ use std::fs::{self, File};
 use std::io::{BufWriter, Write};
 use std::path::{Path, PathBuf};
 use treesynth::Silent;
+use treesynth::foliage::Leaves;
 use treesynth::guided::{Graph, Search, TreeSynth};
-use treesynth::presets::{self, Preset, TYPICAL_NODES};
+use treesynth::presets::{self, Preset, Season, TYPICAL_NODES};
 use treesynth::preview::{Picture, Preview};
-use treesynth::surface::Tubes;
+use treesynth::surface::{Part, Tubes};
 
 type Failure = Box<dyn std::error::Error>;
 
@@ -43,6 +44,7 @@ fn main() -> Result<(), Failure> {
         overview(&options)?;
     }
     let mut sheets: BTreeMap<u8, Vec<Picture>> = BTreeMap::new();
+    let mut summers = Vec::new();
     for preset in presets::all().filter(|preset| preset.name.contains(&options.only)) {
         let pictures = draw(preset, &options)?;
         if let Some(last) = pictures.last() {
@@ -50,6 +52,13 @@ fn main() -> Result<(), Failure> {
         }
         println!("{}: {}", preset.name, preset.caption);
         sheets.entry(preset.figure).or_default().extend(pictures);
+        if preset.foliage(Season::Summer).is_some() {
+            summers.push(summer(preset, &options)?);
+        }
+    }
+    if !summers.is_empty() {
+        let sheet = Picture::sheet(&summers, 9, 2, [255, 255, 255])?;
+        write(&options.out.join("sheet-summer.png"), &sheet)?;
     }
     for (figure, pictures) in &sheets {
         let columns = if pictures.len() > 5 { pictures.len().div_ceil(2) } else { pictures.len() };
@@ -67,12 +76,24 @@ fn overview(options: &Options) -> Result<(), Failure> {
     for preset in names.into_iter().filter_map(presets::by_name) {
         let synth = preset.synth(options.nodes);
         let graph = synth.build_graph(preset.seed, &Silent)?;
-        pictures.push(draw_stages(preset, &synth, &graph, synth.stages().len(), &small)?);
+        pictures.push(draw_stages(preset, &synth, &graph, synth.stages().len(), Season::Winter, &small)?);
     }
     let mut png = Vec::new();
     Picture::sheet(&pictures, 6, 2, [255, 255, 255])?.write_png(&mut png)?;
     fs::write(options.out.join("overview.base64"), base64::prelude::BASE64_STANDARD.encode(&png))?;
     Ok(fs::write(options.out.join("overview.png"), png)?)
+}
+
+/// The tree in leaf, at two fifths of the size, with a label.
+fn summer(preset: &Preset, options: &Options) -> Result<Picture, Failure> {
+    let size = (options.size * 2 / 5).max(1);
+    let small = Options { size, out: options.out.clone(), only: String::new(), ..*options };
+    let synth = preset.synth(options.nodes);
+    let graph = synth.build_graph(preset.seed, &Silent)?;
+    let stages = synth.stages().len();
+    let mut picture = draw_stages(preset, &synth, &graph, stages, Season::Summer, &small)?;
+    picture.label(preset.name.trim_start_matches("figure-"), 3, 3, 1, [60, 60, 60]);
+    Ok(picture)
 }
 
 fn write(path: &Path, picture: &Picture) -> Result<(), Failure> {
@@ -94,7 +115,7 @@ fn draw(preset: &Preset, options: &Options) -> Result<Vec<Picture>, Failure> {
             } else {
                 preset.name.into()
             };
-            let mut picture = draw_stages(preset, &synth, &graph, count, options)?;
+            let mut picture = draw_stages(preset, &synth, &graph, count, Season::Winter, options)?;
             picture.label(&label, 6, 6, 1, [60, 60, 60]);
             Ok(picture)
         })
@@ -106,6 +127,7 @@ fn draw_stages(
     synth: &TreeSynth,
     graph: &Graph,
     stages: usize,
+    season: Season,
     options: &Options,
 ) -> Result<Picture, Failure> {
     let mut search = Search::new(graph);
@@ -113,8 +135,13 @@ fn draw_stages(
     if preset.planar {
         return plane::draw(&search, &growth.skeleton, options.size);
     }
-    let mesh = Tubes::default().mesh(&growth.skeleton.relaxed(0.5, 3)?)?;
+    let tree = growth.skeleton.relaxed(0.5, 3)?;
+    let mesh = Tubes::default().mesh(&tree)?;
+    let leaves = preset.foliage(season).map(|foliage| foliage.place(&tree, preset.seed)).transpose()?;
+    let bark = Part::new(&mesh).with_material(preset.bark());
+    let parts: Vec<_> = [bark].into_iter().chain(leaves.as_ref().map(Leaves::part)).collect();
     // A plain background keeps the files small.
     let paper = [0.97, 0.965, 0.955];
-    Ok(Preview::default().with_size(options.size, options.size).with_background(paper, paper).draw(&mesh)?)
+    let preview = Preview::default().with_size(options.size, options.size).with_background(paper, paper);
+    Ok(preview.draw_parts(&parts)?)
 }

@@ -1,20 +1,18 @@
-//! Grows a tree and writes it as a model file, a picture and data.
+//! Grows a tree, with leaves or without, and writes it as model files, a picture and data.
 //!
 //!     cargo run --release --example tree -- --preset figure-06c --seed 7 --out out
 
+mod files;
 mod options;
 mod stats;
 mod watch;
 
 use options::Options;
-use std::fs::{self, File};
-use std::io::{self, BufWriter, Write};
-use std::path::Path;
+use std::fs;
 use std::time::Instant;
-use treesynth::export::{gltf, json};
+use treesynth::foliage::Leaves;
 use treesynth::guided::Search;
-use treesynth::preview::Preview;
-use treesynth::surface::Tubes;
+use treesynth::surface::{Mesh, Part, Tubes};
 use treesynth::{Metrics, presets};
 
 type Failure = Box<dyn std::error::Error>;
@@ -52,51 +50,42 @@ fn run(options: &Options) -> Result<(), Failure> {
     };
 
     let skeleton = &growth.skeleton;
-    let mut mesh = None;
+    let relaxed = skeleton.relaxed(0.5, 3)?;
+    let mut bark = Mesh::default();
     step("mesh", &mut || {
-        mesh = Some(Tubes::default().mesh(&skeleton.relaxed(0.5, 3)?)?);
+        bark = Tubes::default().mesh(&relaxed)?;
         Ok(())
     })?;
-    let mesh = mesh.ok_or("no mesh")?;
-    let file = |extension: &str| options.out.join(format!("{}.{extension}", preset.name));
-    step("glb", &mut || {
-        let look = gltf::GlbOptions::default().with_name(preset.name);
-        write(&file("glb"), |writer| Ok(gltf::write_glb(&mesh, &look, writer)?))
+    let mut leaves = None;
+    step("leaves", &mut || {
+        let foliage = preset.foliage(options.season);
+        leaves = foliage.map(|foliage| foliage.place(&relaxed, seed)).transpose()?;
+        Ok(())
     })?;
-    step("png", &mut || {
-        let picture = Preview::default().draw(&mesh)?;
-        write(&file("png"), |writer| Ok(picture.write_png(writer)?))
-    })?;
-    step("json", &mut || write(&file("json"), |writer| Ok(json::write_skeleton(skeleton, writer)?)))?;
+    let bark = Part::new(&bark).with_material(preset.bark());
+    let parts: Vec<_> = [bark].into_iter().chain(leaves.as_ref().map(Leaves::part)).collect();
+    for format in &options.formats {
+        step(format, &mut || files::write(format, &options.out, preset, skeleton, &parts))?;
+    }
 
     let metrics = Metrics::of(skeleton);
     let endpoints: Vec<usize> = growth.endpoints.iter().map(Vec::len).collect();
     if let Some(path) = &options.stats {
-        let stats = stats::stats(preset.name, seed, &graph, skeleton, &endpoints, &steps, &metrics)?;
-        write(path, |writer| Ok(serde_json::to_writer_pretty(writer, &stats)?))?;
+        let stats = stats::stats(preset.name, seed, &graph, skeleton, &endpoints, &steps, &metrics, &parts)?;
+        files::create(path, |writer| Ok(serde_json::to_writer_pretty(writer, &stats)?))?;
     }
     let milliseconds: f64 = steps.iter().map(|(_, time)| time.as_secs_f64() * 1e3).sum();
     println!(
-        "{}, seed {seed}: {} nodes, {} endpoints, {} segments, {} tips, {:.1} m tall, {:.1} m wide, {milliseconds:.0} ms -> {}",
+        "{}, seed {seed}: {} nodes, {} endpoints, {} segments, {} tips, {} leaves, {:.1} m tall, {:.1} m wide, {milliseconds:.0} ms -> {}",
         preset.name,
         graph.nodes(),
         endpoints.iter().sum::<usize>(),
         skeleton.segments(),
         metrics.tips,
+        leaves.as_ref().map_or(0, |leaves| leaves.instances.len()),
         metrics.height,
         metrics.crown_width,
-        file("{glb,png,json}").display(),
+        options.out.join(format!("{}.{{{}}}", preset.name, options.formats.join(","))).display(),
     );
     Ok(())
-}
-
-/// Writes to a file; a failure names it.
-fn write(
-    path: &Path,
-    content: impl FnOnce(&mut BufWriter<File>) -> Result<(), Failure>,
-) -> Result<(), Failure> {
-    let named = |error: &dyn std::fmt::Display| format!("{}: {error}", path.display());
-    let mut writer = BufWriter::new(File::create(path).map_err(|error: io::Error| named(&error))?);
-    content(&mut writer).map_err(|error| named(&error))?;
-    Ok(writer.flush().map_err(|error| named(&error))?)
 }

@@ -1,11 +1,12 @@
 //! The command line.
 
+use super::files::FORMATS;
 use lexopt::prelude::{Long, Short, ValueExt};
 use std::path::PathBuf;
-use treesynth::presets::{self, TYPICAL_NODES};
+use treesynth::presets::{self, Season, TYPICAL_NODES};
 
 const HELP: &str = "\
-Grows a tree and writes NAME.glb, NAME.png and NAME.json.
+Grows a tree and writes NAME.glb, NAME.png and NAME.json, or what --format says.
 
 cargo run --release --example tree -- [OPTIONS]
 
@@ -13,6 +14,9 @@ cargo run --release --example tree -- [OPTIONS]
   --list          the presets, one a line, and nothing else
   --seed N        the seed                                     [the preset's]
   --nodes N       nodes of the graph                           [150000]
+  --season TIME   winter (no leaves), summer or autumn         [summer]
+  --format LIST   of glb, nodes.glb (leaves as nodes, for what knows no
+                  instances), obj, ply, stl, svg, png, json    [glb,png,json]
   --threads N     threads for the graph, at least 1            [all]
   --out DIR       where files go; made if it is not there      [out]
   --stats FILE    figures as JSON: sizes, milliseconds of each step, peak
@@ -24,6 +28,8 @@ pub(crate) struct Options {
     pub(crate) preset: String,
     pub(crate) seed: Option<u64>,
     pub(crate) nodes: usize,
+    pub(crate) season: Season,
+    pub(crate) formats: Vec<String>,
     pub(crate) threads: Option<usize>,
     pub(crate) out: PathBuf,
     pub(crate) stats: Option<PathBuf>,
@@ -36,6 +42,8 @@ impl Options {
             preset: "figure-06c".into(),
             seed: None,
             nodes: TYPICAL_NODES,
+            season: Season::Summer,
+            formats: ["glb", "png", "json"].map(String::from).to_vec(),
             threads: None,
             out: "out".into(),
             stats: None,
@@ -46,6 +54,14 @@ impl Options {
                 Long("preset") => options.preset = arguments.value()?.string()?,
                 Long("seed") => options.seed = Some(arguments.value()?.parse()?),
                 Long("nodes") => options.nodes = arguments.value()?.parse()?,
+                Long("season") => options.season = season(&arguments.value()?.string()?)?,
+                Long("format") => {
+                    options.formats = arguments.value()?.string()?.split(',').map(String::from).collect();
+                    if let Some(other) = options.formats.iter().find(|f| !FORMATS.contains(&f.as_str())) {
+                        let all = FORMATS.join(", ");
+                        return Err(format!("--format has {other:?}, but must have some of {all}").into());
+                    }
+                }
                 Long("threads") => {
                     let threads = arguments.value()?.parse()?;
                     if !(1..=1024).contains(&threads) {
@@ -69,5 +85,14 @@ impl Options {
             }
         }
         Ok(Some(options))
+    }
+}
+
+fn season(name: &str) -> Result<Season, String> {
+    match name {
+        "winter" => Ok(Season::Winter),
+        "summer" => Ok(Season::Summer),
+        "autumn" => Ok(Season::Autumn),
+        _ => Err(format!("--season is {name:?}, but must be winter, summer or autumn")),
     }
 }

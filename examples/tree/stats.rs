@@ -3,8 +3,10 @@
 use crate::watch::Steps;
 use serde_json::{Map, Value, json};
 use treesynth::guided::Graph;
+use treesynth::surface::Part;
 use treesynth::{Metrics, Skeleton};
 
+#[allow(clippy::too_many_arguments, reason = "a report of everything")]
 pub(crate) fn stats(
     preset: &str,
     seed: u64,
@@ -13,9 +15,21 @@ pub(crate) fn stats(
     endpoints: &[usize],
     steps: &Steps,
     metrics: &Metrics,
+    parts: &[Part<'_>],
 ) -> serde_json::Result<Value> {
     let milliseconds: Map<String, Value> =
         steps.iter().map(|(name, time)| (name.clone(), json!(time.as_secs_f64() * 1e3))).collect();
+    let parts: Map<String, Value> = parts
+        .iter()
+        .map(|part| {
+            let counts = json!({
+                "copies": part.copies().len(),
+                "vertices": part.vertices(),
+                "triangles": part.triangles(),
+            });
+            (part.name().to_owned(), counts)
+        })
+        .collect();
     Ok(json!({
         "preset": preset,
         "seed": seed,
@@ -24,6 +38,7 @@ pub(crate) fn stats(
         "endpoints": endpoints.iter().sum::<usize>(),
         "endpoints_by_stage": endpoints,
         "segments": skeleton.segments(),
+        "parts": parts,
         "milliseconds": milliseconds,
         "peak_memory_bytes": peak_memory(),
         "metrics": serde_json::to_value(metrics)?,

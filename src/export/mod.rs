@@ -2,21 +2,34 @@
 //!
 //! | format | module | what goes in | feature |
 //! |---|---|---|---|
-//! | glTF 2.0 binary, `.glb` | [`gltf`] | a [`Mesh`](crate::surface::Mesh) | |
+//! | glTF 2.0 binary, `.glb` | [`gltf`] | a [`Mesh`](crate::surface::Mesh), or [`Part`]s, or levels of them | |
+//! | Wavefront OBJ and its materials, `.obj`, `.mtl` | [`obj`] | [`Part`]s | |
+//! | PLY, binary or text, `.ply` | [`ply`] | [`Part`]s | |
+//! | STL, binary, `.stl` | [`stl`] | [`Part`]s | |
+//! | SVG, `.svg` | [`svg`] | a [`Skeleton`](crate::Skeleton) as a drawing | |
 //! | JSON | `json` | a [`Skeleton`](crate::Skeleton), and back | `json` |
 //!
-//! Writers get many small pieces: hand in a [`BufWriter`](std::io::BufWriter) around a file.
+//! Only glTF knows instances; the others get each leaf's triangles one by one, which never are in memory together.
+//! What is written is checked before the first byte, so an error after it is the writer's own.
 
 pub mod gltf;
 #[cfg(feature = "json")]
 pub mod json;
+pub mod obj;
+pub mod ply;
+pub mod stl;
+pub mod svg;
 
-pub use gltf::{GlbOptions, write_glb};
+pub use gltf::{GlbOptions, Instancing, write_glb, write_glb_levels, write_glb_parts};
 #[cfg(feature = "json")]
 pub use json::{ReadError, read_skeleton, write_skeleton};
+pub use obj::{write_mtl, write_obj};
+pub use ply::{PlyFormat, write_ply};
+pub use stl::write_stl;
+pub use svg::{SvgOptions, write_svg};
 
 use crate::ParameterError;
-use crate::surface::MeshError;
+use crate::surface::{MeshError, Part};
 
 /// Why something could not be written.
 #[derive(Debug, thiserror::Error)]
@@ -42,4 +55,27 @@ pub enum ExportError {
         /// The bytes allowed.
         limit: u64,
     },
+    /// More of something than the format can count.
+    #[error("there are {count} {what}, but the format counts at most {}", u32::MAX)]
+    TooMany {
+        /// What there is too much of.
+        what: &'static str,
+        /// How much there is.
+        count: u64,
+    },
+}
+
+impl ExportError {
+    fn counted(what: &'static str, count: u64) -> Result<u32, Self> {
+        u32::try_from(count).map_err(|_| Self::TooMany { what, count })
+    }
+}
+
+/// Whether there is a triangle, and everything is sound.
+fn check_parts(parts: &[Part<'_>]) -> Result<(), ExportError> {
+    parts.iter().try_for_each(Part::check::<ExportError>)?;
+    if parts.iter().all(|part| part.triangles() == 0) {
+        return Err(ExportError::EmptyMesh);
+    }
+    Ok(())
 }

@@ -1,5 +1,6 @@
 //! Figures 18 to 20: trees of earlier methods, made with this one.
 
+use super::look::{LINDEN, MAPLE, OAK};
 use super::{Preset, degrees, limbs, tree, trunk, twigs};
 use crate::guided::{Bend, TreeSynth};
 use crate::shape::{Cuboid, HalfEllipsoid, Shell};
@@ -11,14 +12,16 @@ pub(super) const PRESETS: &[Preset] = &[
         18,
         "After a tree by particle tracing: straight branches in all directions.",
         particles,
-    ),
+    )
+    .like(MAPLE),
     Preset::new(
         "figure-19",
         19,
         "After a self-organizing tree: branches that bend up slightly.",
         self_organizing,
-    ),
-    Preset::new("figure-20", 20, "After the oak of iterated graphs: a crown in a shell.", oak),
+    )
+    .like(LINDEN),
+    Preset::new("figure-20", 20, "After the oak of iterated graphs: a crown in a shell.", oak).like(OAK),
 ];
 
 /// "Second-iteration endpoints in a cubic volume, α1 a random value in the range (30°, 120°), h0 = 1 and α2 = 0; in

@@ -1,5 +1,6 @@
 //! Beyond the paper: trees whose twigs grow on finer and finer graphs around the tree so far.
 
+use super::look::{ASH, LINDEN, OAK};
 use super::{Preset, bark, degrees, fork, graph, limbs, region, trunk};
 use crate::guided::{
     Bend, Count, GraphBuilder, HopSurface, InShape, PoissonYao, Refinement, Stage, TreeSynth,
@@ -12,7 +13,8 @@ pub(super) const PRESETS: &[Preset] = &[
         let crown = Ellipsoid::new(Vec3::Y * 6.8, Vec3::new(3.2, 3.0, 3.2));
         let rule = Bend::random(degrees(30.0), degrees(120.0), 0.0, 1);
         fine(12.0, 12.5, nodes, 0.36, &[trunk(8.4), limbs(rule, crown, 70)])
-    }),
+    })
+    .like(ASH),
     Preset::new("fine-elm", 0, "The elm of figure 7, refined twice.", |nodes| {
         let crown = HalfEllipsoid::new(Vec3::Y * 4.0, Vec3::new(4.8, 5.5, 4.8));
         fine(14.0, 11.5, nodes, 0.45, &[limbs(Bend::from_axis(degrees(25.0)), crown, 50)])
@@ -23,12 +25,14 @@ pub(super) const PRESETS: &[Preset] = &[
         let shell = Shell::new(dome, 0.35).about(base);
         let limbs = Stage::new(Bend::constant(degrees(3.0)), InShape::poisson_disc(shell, Count::UpTo(70)));
         fine(14.0, 11.5, nodes, 0.6, &[trunk(3.2), limbs])
-    }),
+    })
+    .like(OAK),
     Preset::new("fine-linden", 0, "Branches at 60° as in figure 6 (b), refined twice.", |nodes| {
         let crown = Ellipsoid::new(Vec3::Y * 6.6, Vec3::new(2.6, 3.6, 2.6));
         let rule = Bend::piecewise(degrees(60.0), 0.0, 1);
         fine(11.0, 12.5, nodes, 0.36, &[trunk(9.0), limbs(rule, crown, 80)])
-    }),
+    })
+    .like(LINDEN),
 ];
 
 /// Trunk and limbs on a quarter of the nodes, then twigs at a half and at a quarter of that spacing.

@@ -17,15 +17,21 @@
 mod comparison;
 mod fine;
 mod graded;
+mod look;
 mod plane;
 mod rotation;
 mod variety;
 mod volume;
 
+pub use look::Season;
+
+use crate::foliage::Foliage;
 use crate::guided::{Bend, Count, HopSurface, InShape, NearestTo, PoissonYao, Stage, TreeSynth};
 use crate::radius::{PipeModel, Taper};
 use crate::shape::{Cuboid, Shape};
+use crate::surface::Material;
 use glam::Vec3;
+use look::Look;
 
 /// The nodes of "a typical result" (section 4).
 pub const TYPICAL_NODES: usize = 150_000;
@@ -47,6 +53,7 @@ pub struct Preset {
     /// Whether it lies in the plane z = 0.
     pub planar: bool,
     build: fn(usize) -> TreeSynth,
+    look: Look,
 }
 
 impl Preset {
@@ -56,7 +63,7 @@ impl Preset {
         caption: &'static str,
         build: fn(usize) -> TreeSynth,
     ) -> Self {
-        Self { name, figure, caption, seed: 1, partial_stages: None, planar: false, build }
+        Self { name, figure, caption, seed: 1, partial_stages: None, planar: false, build, look: look::ELM }
     }
 
     const fn seed(mut self, seed: u64) -> Self {
@@ -71,7 +78,33 @@ impl Preset {
 
     const fn planar(mut self) -> Self {
         self.planar = true;
+        self.like(look::BARE)
+    }
+
+    const fn like(mut self, look: Look) -> Self {
+        self.look = look;
         self
+    }
+
+    /// What its bark looks like.
+    pub fn bark(&self) -> Material {
+        self.look.bark()
+    }
+
+    /// Its leaves; `None` in winter, and of what has none all the year.
+    ///
+    /// ```
+    /// use treesynth::presets::{Season, by_name};
+    ///
+    /// let ash = by_name("figure-06c").expect("a preset of this name");
+    /// let tree = ash.synth(5_000).synthesize(1)?;
+    /// let leaves = ash.foliage(Season::Summer).expect("an ash in leaf").place(&tree, 1)?;
+    /// assert!(leaves.instances.len() > 1_000);
+    /// assert!(ash.foliage(Season::Winter).is_none());
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    pub fn foliage(&self, season: Season) -> Option<Foliage> {
+        self.look.foliage(season)
     }
 
     /// The pipeline, on a graph of about `nodes` nodes; [`TYPICAL_NODES`] for the paper's detail.

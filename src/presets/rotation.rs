@@ -1,5 +1,6 @@
 //! Figures 5 to 8: how guiding vectors turn.
 
+use super::look::{ASH, CHESTNUT, HAZEL, LINDEN, MAPLE, POPLAR};
 use super::{Preset, bark, degrees, graph, limbs, tree, trunk, twigs};
 use crate::field::{Helix, Rotation, SphericalMeridians, VectorField};
 use crate::guided::{Bend, Count, FollowField, HopSurface, InShape, Stage, TreeSynth};
@@ -10,41 +11,49 @@ pub(super) const PRESETS: &[Preset] = &[
     Preset::new("figure-05-left", 5, "α = 4° at every hop: branches arch over.", |nodes| {
         shrub(nodes, Bend::constant(degrees(4.0)))
     })
-    .partial(1),
+    .partial(1)
+    .like(HAZEL),
     Preset::new(
         "figure-05-right",
         5,
         "α1 = 6°, α2 = -6°, h0 = 20: out and down, then up again.",
         |nodes| shrub(nodes, Bend::piecewise(degrees(6.0), degrees(-6.0), 20)),
     )
-    .partial(1),
+    .partial(1)
+    .like(HAZEL),
     Preset::new("figure-06a", 6, "α = 10°: branches curve strongly downward.", |nodes| {
         round_tree(nodes, Bend::constant(degrees(10.0)))
     })
-    .partial(2),
+    .partial(2)
+    .like(LINDEN),
     Preset::new(
         "figure-06b",
         6,
         "α1 = 60°, α2 = 0, h0 = 1: a fixed upward angle, then straight.",
         |nodes| round_tree(nodes, Bend::piecewise(degrees(60.0), 0.0, 1)),
     )
-    .partial(2),
+    .partial(2)
+    .like(MAPLE),
     Preset::new("figure-06c", 6, "α1 random in 30° to 120° for each trunk node, α2 = 0, h0 = 1.", ash)
-        .partial(2),
+        .partial(2)
+        .like(ASH),
     Preset::new("figure-06d", 6, "α1 = 15°, α2 = -5°, h0 = 5: out, then bending up.", |nodes| {
         round_tree(nodes, Bend::piecewise(degrees(15.0), degrees(-5.0), 5))
     })
-    .partial(2),
+    .partial(2)
+    .like(CHESTNUT),
     Preset::new("figure-07", 7, "Equation 2 with θ = 25°: an elm.", elm).partial(1),
     Preset::new("figure-08a", 8, "A helical field: branches wind about the axis.", |nodes| {
         field_tree(nodes, 0.0, Helix::with_angle(Vec3::ZERO, degrees(40.0)))
-    }),
+    })
+    .like(HAZEL),
     Preset::new(
         "figure-08b",
         8,
         "A rotation about a horizontal axis: everything sweeps to one side.",
         |nodes| field_tree(nodes, 1.5, Rotation::new(Vec3::new(7.0, 0.0, 0.0), Vec3::NEG_Z)),
-    ),
+    )
+    .like(POPLAR),
     Preset::new("figure-08c", 8, "Upward along spheres: out, around and in again.", |nodes| {
         field_tree(nodes, 0.0, SphericalMeridians::new(Vec3::Y * 5.0))
     }),

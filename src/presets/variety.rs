@@ -1,5 +1,6 @@
 //! Figures 15 to 17: one species many times, a range of crowns, and many species.
 
+use super::look::{ASH, BARE, BIRCH, HAZEL, LINDEN, OAK, POPLAR, SPRUCE};
 use super::rotation::ash;
 use super::{Preset, degrees, fork, limbs, outer_twigs, tree, trunk, twigs};
 use crate::guided::{Bend, ByHeight, Count, HopSurface, InShape, Side, SourceElevation, Stage, TreeSynth};
@@ -7,12 +8,12 @@ use crate::shape::{Cone, Cylinder, Ellipsoid, HalfEllipsoid, Union};
 use glam::Vec3;
 
 pub(super) const PRESETS: &[Preset] = &[
-    Preset::new("figure-15-1", 15, "The ash of figure 6 (c), first of six.", ash).seed(11),
-    Preset::new("figure-15-2", 15, "The ash of figure 6 (c), second of six.", ash).seed(12),
-    Preset::new("figure-15-3", 15, "The ash of figure 6 (c), third of six.", ash).seed(13),
-    Preset::new("figure-15-4", 15, "The ash of figure 6 (c), fourth of six.", ash).seed(14),
-    Preset::new("figure-15-5", 15, "The ash of figure 6 (c), fifth of six.", ash).seed(15),
-    Preset::new("figure-15-6", 15, "The ash of figure 6 (c), sixth of six.", ash).seed(16),
+    Preset::new("figure-15-1", 15, "The ash of figure 6 (c), first of six.", ash).seed(11).like(ASH),
+    Preset::new("figure-15-2", 15, "The ash of figure 6 (c), second of six.", ash).seed(12).like(ASH),
+    Preset::new("figure-15-3", 15, "The ash of figure 6 (c), third of six.", ash).seed(13).like(ASH),
+    Preset::new("figure-15-4", 15, "The ash of figure 6 (c), fourth of six.", ash).seed(14).like(ASH),
+    Preset::new("figure-15-5", 15, "The ash of figure 6 (c), fifth of six.", ash).seed(15).like(ASH),
+    Preset::new("figure-15-6", 15, "The ash of figure 6 (c), sixth of six.", ash).seed(16).like(ASH),
     Preset::new("figure-16-15", 16, "Half-ellipsoid of aspect 1.5, θ = 14°.", |nodes| {
         crown(nodes, 1.5, 14.0)
     }),
@@ -30,20 +31,24 @@ pub(super) const PRESETS: &[Preset] = &[
         17,
         "Few endpoints first, many later: distinct limbs, clustered twigs.",
         clusters,
-    ),
-    Preset::new("figure-17b", 17, "α1 = 30°, α2 = -10°, h0 = 3 above, α = 8° drooping below.", two_habits),
-    Preset::new("figure-17c", 17, "Short horizontal branches on a spindle: a dead tree.", spindle),
+    )
+    .like(OAK),
+    Preset::new("figure-17b", 17, "α1 = 30°, α2 = -10°, h0 = 3 above, α = 8° drooping below.", two_habits)
+        .like(LINDEN),
+    Preset::new("figure-17c", 17, "Short horizontal branches on a spindle: a dead tree.", spindle).like(BARE),
     Preset::new(
         "figure-17d",
         17,
         "A cottonwood: broad, airy, endpoints higher than their sources.",
         cottonwood,
-    ),
-    Preset::new("figure-17e", 17, "Sources steeper with height, in a cone.", steepening_cone),
-    Preset::new("figure-17f", 17, "A shrub: many endpoints at once, upright.", upright_shrub),
-    Preset::new("figure-17g", 17, "A birch with a divided trunk.", birch),
-    Preset::new("figure-17h", 17, "A shrub: many endpoints at once, spreading.", spreading_shrub),
-    Preset::new("figure-17i", 17, "Sources steeper with height, in a tall oval.", steepening_oval),
+    )
+    .like(POPLAR),
+    Preset::new("figure-17e", 17, "Sources steeper with height, in a cone.", steepening_cone).like(SPRUCE),
+    Preset::new("figure-17f", 17, "A shrub: many endpoints at once, upright.", upright_shrub).like(HAZEL),
+    Preset::new("figure-17g", 17, "A birch with a divided trunk.", birch).like(BIRCH),
+    Preset::new("figure-17h", 17, "A shrub: many endpoints at once, spreading.", spreading_shrub).like(HAZEL),
+    Preset::new("figure-17i", 17, "Sources steeper with height, in a tall oval.", steepening_oval)
+        .like(LINDEN),
     Preset::new("figure-17j", 17, "A zelkova: two iterations, no small twigs.", zelkova),
 ];
 

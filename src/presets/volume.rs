@@ -1,5 +1,6 @@
 //! Figures 9 to 14: where endpoints lie.
 
+use super::look::{LINDEN, MAPLE, POPLAR, WILLOW};
 use super::{Preset, degrees, fork, limbs, outer_twigs, tree, trunk, twigs};
 use crate::guided::{Bend, Count, HopSurface, Side, Stage, TreeSynth};
 use crate::shape::{Cone, Cuboid, Ellipsoid, HalfEllipsoid, Shape};
@@ -8,24 +9,29 @@ use glam::Vec3;
 pub(super) const PRESETS: &[Preset] = &[
     Preset::new("figure-09-cone", 9, "First endpoints in a cone.", |nodes| {
         bounded(nodes, Cone::new(Vec3::Y * 3.2, 3.4, 7.0))
-    }),
+    })
+    .like(LINDEN),
     Preset::new("figure-09-box", 9, "The same parameters, first endpoints in a box.", |nodes| {
         bounded(nodes, Cuboid::centered(Vec3::Y * 6.6, Vec3::new(5.4, 5.4, 5.4)))
-    }),
+    })
+    .like(LINDEN),
     Preset::new(
         "figure-09-half-ellipsoid",
         9,
         "The same parameters, first endpoints in a half-ellipsoid.",
         |nodes| bounded(nodes, HalfEllipsoid::new(Vec3::Y * 5.2, Vec3::new(4.2, 4.2, 4.2))),
-    ),
+    )
+    .like(LINDEN),
     Preset::new("figure-10-tall", 10, "A trunk, then a crown in a tall ellipsoid.", |nodes| {
         crowned(nodes, Ellipsoid::new(Vec3::Y * 6.4, Vec3::new(2.1, 3.8, 2.1)), 9.2)
     })
-    .partial(2),
+    .partial(2)
+    .like(POPLAR),
     Preset::new("figure-10-wide", 10, "A trunk, then a crown in a wide ellipsoid.", |nodes| {
         crowned(nodes, Ellipsoid::new(Vec3::Y * 7.4, Vec3::new(4.2, 1.8, 4.2)), 8.0)
     })
-    .partial(2),
+    .partial(2)
+    .like(MAPLE),
     Preset::new("figure-12-t03", 12, "t = 0.3: twigs only in the outer regions.", |nodes| {
         excluded(nodes, 0.3)
     }),
@@ -33,10 +39,15 @@ pub(super) const PRESETS: &[Preset] = &[
     Preset::new("figure-12-t10", 12, "t = 1: the entire tree is covered with twigs.", |nodes| {
         excluded(nodes, 1.0)
     }),
-    Preset::new("figure-13", 13, "Endpoints lower than their sources: branches hang.", hanging).partial(2),
-    Preset::new("figure-14-1000", 14, "About 1000 endpoints.", |nodes| dense(nodes, [60, 240, 700])),
-    Preset::new("figure-14-2000", 14, "About 2000 endpoints.", |nodes| dense(nodes, [60, 440, 1500])),
-    Preset::new("figure-14-4000", 14, "About 4000 endpoints.", |nodes| dense(nodes, [60, 940, 3000])),
+    Preset::new("figure-13", 13, "Endpoints lower than their sources: branches hang.", hanging)
+        .partial(2)
+        .like(WILLOW),
+    Preset::new("figure-14-1000", 14, "About 1000 endpoints.", |nodes| dense(nodes, [60, 240, 700]))
+        .like(MAPLE),
+    Preset::new("figure-14-2000", 14, "About 2000 endpoints.", |nodes| dense(nodes, [60, 440, 1500]))
+        .like(MAPLE),
+    Preset::new("figure-14-4000", 14, "About 4000 endpoints.", |nodes| dense(nodes, [60, 940, 3000]))
+        .like(MAPLE),
 ];
 
 fn bounded(nodes: usize, volume: impl Shape + 'static) -> TreeSynth {

@@ -77,6 +77,12 @@ impl Camera {
         self
     }
 
+    /// Goes on by so many radians about the up axis.
+    pub(super) fn turned(self, angle: f32) -> Self {
+        let azimuth = self.azimuth + angle;
+        self.with_azimuth(azimuth)
+    }
+
     pub(super) fn check(&self) -> Result<(), PreviewError> {
         ParameterError::unless(
             self.azimuth.abs() <= 1e4,

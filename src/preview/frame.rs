@@ -4,10 +4,11 @@
 //! shaded, once a pixel and triangle. Thin triangles (see [`raster`]) are laid over the pixels by their area.
 
 use super::camera::View;
-use super::light::Light;
+use super::light::{Light, Seen};
 use super::raster;
-use super::{Part, Preview};
-use glam::{Vec2, Vec3};
+use super::{Placed, Preview};
+use crate::math;
+use glam::{Vec2, Vec3, Vec3Swizzles};
 use std::ops::Range;
 
 /// Rows of pixels in a strip: its samples stay in the cache.
@@ -16,6 +17,10 @@ const STRIP: usize = 24;
 const NOTHING: u32 = u32::MAX;
 /// Triangles lower than this many samples are thin.
 const THIN: f32 = 1.5;
+/// The same for leaves: their triangles lie side by side, so that what one misses the next one meets.
+const THIN_LEAF: f32 = 0.4;
+/// A facet smaller than this many pixels is shaded once and not at every pixel.
+const SMALL: f32 = 4.0;
 /// Part of a pixel over which something thin passes on into the next one.
 const SOFTNESS: f32 = 0.75;
 
@@ -26,12 +31,13 @@ struct Facet {
     corners: [u32; 3],
     flipped: bool,
     thin: bool,
+    small: bool,
 }
 
 /// Everything that is to be seen, projected.
 pub(super) struct Frame<'a> {
     preview: &'a Preview,
-    parts: &'a [Part<'a>],
+    parts: &'a [Placed<'a>],
     view: View,
     light: Light,
     /// Height of the ground, and the middle and radius of the disc of it that is drawn.
@@ -48,7 +54,7 @@ pub(super) struct Frame<'a> {
 impl<'a> Frame<'a> {
     pub(super) fn new(
         preview: &'a Preview,
-        parts: &'a [Part<'a>],
+        parts: &'a [Placed<'a>],
         view: View,
         light: Light,
         ground: Option<(Vec3, f32)>,
@@ -74,19 +80,25 @@ impl<'a> Frame<'a> {
 
     fn project(&mut self) {
         let behind = Vec3::NAN;
-        for (part, Part { mesh, two_sided, .. }) in self.parts.iter().enumerate() {
-            let seen: Vec<_> = mesh
-                .positions
-                .iter()
-                .map(|&position| self.view.project(position).unwrap_or(behind))
-                .collect();
-            for corners in mesh.triangles() {
+        for (number, part) in self.parts.iter().enumerate() {
+            let project = |&position: &Vec3| self.view.project(position).unwrap_or(behind);
+            let seen: Vec<_> = part.positions.iter().map(project).collect();
+            for corners in part.triangles() {
                 let places = corners.map(|corner| seen[corner as usize]);
                 let area = raster::double_area(places);
                 // A NaN fails this too: what reaches behind the camera is left out.
-                if area < 0.0 || (area > 0.0 && *two_sided) {
-                    let thin = raster::is_thin(places, THIN);
-                    self.facets.push(Facet { part: part as u32, corners, flipped: area > 0.0, thin });
+                if area < 0.0 || (area > 0.0 && part.two_sided()) {
+                    let thin = raster::is_thin(places, if part.two_sided() { THIN_LEAF } else { THIN });
+                    let [a, b, c] = places.map(Vec3::xy);
+                    let extent = (a.max(b).max(c) - a.min(b).min(c)).max_element();
+                    let small = extent < SMALL * self.samples as f32;
+                    self.facets.push(Facet {
+                        part: number as u32,
+                        corners,
+                        flipped: area > 0.0,
+                        thin,
+                        small,
+                    });
                 }
             }
             self.projected.push(seen);
@@ -132,20 +144,25 @@ impl<'a> Frame<'a> {
         (self.starts, self.members) = (starts, members);
     }
 
-    /// Draws everything; `pixels` are the rows of a picture.
-    pub(super) fn draw(&self, pixels: &mut [[u8; 3]]) {
+    /// Draws everything; `pixels` are the rows of a picture, `alpha` too if it has any.
+    pub(super) fn draw(&self, pixels: &mut [[u8; 3]], alpha: &mut [u8]) {
         let width = self.preview.width as usize;
         let tones = Tones::new();
         let mut strip = Strip::new(self.columns, STRIP * self.samples, width * STRIP);
+        let mut shades = Shades::new(self.facets.len(), self.parts);
         for (index, rows) in pixels.chunks_mut(width * STRIP).enumerate() {
             let height = rows.len() / width;
             strip.clear(index * STRIP * self.samples, height * self.samples);
             let members = &self.members[self.starts[index]..self.starts[index + 1]];
             self.fill(members, &mut strip);
-            self.strew(members, &mut strip);
+            self.strew(members, &mut strip, &mut shades);
             for (i, pixel) in rows.iter_mut().enumerate() {
-                let color = self.pixel(&strip, i % width, i / width, index * STRIP);
-                *pixel = tones.of(color, (i % width, index * STRIP + i / width));
+                let place = (i % width, i / width);
+                let (color, covered) = self.pixel(&strip, &mut shades, place, index * STRIP);
+                *pixel = tones.of(color / covered.max(1e-6), (i % width, index * STRIP + i / width));
+                if let Some(alpha) = alpha.get_mut(index * STRIP * width + i) {
+                    *alpha = (covered.clamp(0.0, 1.0) * 255.0 + 0.5) as u8;
+                }
             }
         }
     }
@@ -167,12 +184,12 @@ impl<'a> Frame<'a> {
         }
     }
 
-    fn strew(&self, members: &[u32], strip: &mut Strip) {
-        let thin = || members.iter().map(|&member| self.facets[member as usize]).filter(|facet| facet.thin);
+    fn strew(&self, members: &[u32], strip: &mut Strip, shades: &mut Shades) {
+        let thin = || members.iter().map(|&m| (m, self.facets[m as usize])).filter(|(_, facet)| facet.thin);
         // Surfaces of many small triangles hide what is behind them, although none of them is solid.
         strip.nearest.copy_from_slice(&strip.solid);
         let rows = strip.top..strip.top + strip.rows;
-        for facet in thin() {
+        for (_, facet) in thin() {
             raster::fill(self.places(facet), self.columns, rows.clone(), |x, y, nearness| {
                 let nearest = &mut strip.nearest[(y - strip.top) * self.columns + x];
                 *nearest = nearest.max(nearness);
@@ -181,31 +198,47 @@ impl<'a> Frame<'a> {
         let margin = self.samples as f32;
         let low = Vec2::new(-margin, strip.top as f32 - margin);
         let high = Vec2::new(self.columns as f32, (strip.top + strip.rows) as f32) + margin;
-        for facet in thin() {
-            let mut color = None;
+        for (member, facet) in thin() {
             raster::strew(self.places(facet), low, high, |place, area| {
                 if strip.hides(place, self.view.step(place.z) * 2.0 * margin, self.columns) {
                     return;
                 }
-                let color =
-                    *color.get_or_insert_with(|| self.shade(facet, [1.0 / 3.0; 3], self.middle(facet)));
-                strip.lay(place, area, color, self.samples);
+                strip.lay(place, area, self.shade_middle(member, shades), self.samples);
             });
         }
     }
 
-    fn middle(&self, facet: Facet) -> Vec3 {
-        let positions = &self.parts[facet.part as usize].mesh.positions;
-        facet.corners.map(|corner| positions[corner as usize]).iter().sum::<Vec3>() / 3.0
+    /// The colour of a facet at its middle, worked out no more than once. A leaf as small as that sees the same of sun
+    /// and sky all over.
+    fn shade_middle(&self, member: u32, shades: &mut Shades) -> Vec3 {
+        let facet = self.facets[member as usize];
+        let Shades { facets, copies } = shades;
+        *facets[member as usize].get_or_insert_with(|| {
+            let part = &self.parts[facet.part as usize];
+            if let Some((copy, middle)) = part.copy_of(facet.corners[0]).filter(|_| facet.small) {
+                let seen = &mut copies[facet.part as usize][copy];
+                let seen = *seen.get_or_insert_with(|| self.light.seen(middle));
+                let normal = self.normal(facet, [1.0 / 3.0; 3]);
+                part.color() * self.light.falling(seen, normal, part.two_sided())
+            } else {
+                let corners = facet.corners.map(|corner| part.positions[corner as usize]);
+                self.shade(facet, [1.0 / 3.0; 3], corners.iter().sum::<Vec3>() / 3.0)
+            }
+        })
+    }
+
+    /// The normal of a facet, on the side that is seen, at a point with these weights of its corners.
+    fn normal(&self, facet: Facet, weights: [f32; 3]) -> Vec3 {
+        let normals = self.parts[facet.part as usize].normals(facet.corners);
+        let normal = normals[0] * weights[0] + normals[1] * weights[1] + normals[2] * weights[2];
+        let normal = normal.normalize_or(normals[0]);
+        if facet.flipped { -normal } else { normal }
     }
 
     /// The colour of a facet at a point with these weights of its corners.
     fn shade(&self, facet: Facet, weights: [f32; 3], point: Vec3) -> Vec3 {
-        let Part { mesh, color, .. } = &self.parts[facet.part as usize];
-        let normals = facet.corners.map(|corner| mesh.normals[corner as usize]);
-        let normal = normals[0] * weights[0] + normals[1] * weights[1] + normals[2] * weights[2];
-        let normal = normal.normalize_or(normals[0]);
-        Vec3::from_array(*color) * self.light.on(point, if facet.flipped { -normal } else { normal })
+        let part = &self.parts[facet.part as usize];
+        part.color() * self.light.on(point, self.normal(facet, weights), part.two_sided())
     }
 
     fn shade_sample(&self, facet: Facet, x: f32, y: f32, nearness: f32) -> Vec3 {
@@ -217,7 +250,14 @@ impl<'a> Frame<'a> {
         self.shade(facet, [1.0 - second - third, second, third], self.view.position(x, y, nearness))
     }
 
-    fn pixel(&self, strip: &Strip, column: usize, row: usize, top: usize) -> Vec3 {
+    /// A pixel's colour times what of the pixel is covered, and that.
+    fn pixel(
+        &self,
+        strip: &Strip,
+        shades: &mut Shades,
+        (column, row): (usize, usize),
+        top: usize,
+    ) -> (Vec3, f32) {
         let n = self.samples;
         let (mut color, mut holes) = (Vec3::ZERO, 0u32);
         let mut last = (NOTHING, Vec3::ZERO);
@@ -230,36 +270,79 @@ impl<'a> Frame<'a> {
                 continue;
             }
             if member != last.0 {
+                let facet = self.facets[member as usize];
                 let (x, y) = (x as f32 + 0.5, (y + strip.top) as f32 + 0.5);
-                last = (member, self.shade_sample(self.facets[member as usize], x, y, strip.solid[at]));
+                let color = if facet.small {
+                    self.shade_middle(member, shades)
+                } else {
+                    self.shade_sample(facet, x, y, strip.solid[at])
+                };
+                last = (member, color);
             }
             color += last.1;
         }
+        let mut covered = (n * n) as f32;
         if holes > 0 {
-            color += self.backdrop(column, top + row) * holes as f32;
+            let (backdrop, opacity) = self.backdrop(column, top + row);
+            color += backdrop * holes as f32;
+            covered -= holes as f32 * (1.0 - opacity);
         }
-        color /= (n * n) as f32;
+        let whole = (n * n) as f32;
+        let (color, covered) = (color / whole, covered / whole);
         let (thin, coverage) = strip.over[row * self.preview.width as usize + column];
-        if coverage > 0.0 { color.lerp(thin / coverage, coverage.min(1.0)) } else { color }
+        if coverage > 0.0 {
+            let share = coverage.min(1.0);
+            (color.lerp(thin / coverage, share), covered + (1.0 - covered) * share)
+        } else {
+            (color, covered)
+        }
     }
 
-    /// What is seen where there is no tree: the background, and the shadow on the ground.
-    fn backdrop(&self, column: usize, row: usize) -> Vec3 {
+    /// What is seen where there is no tree, times how opaque it is, and that.
+    fn backdrop(&self, column: usize, row: usize) -> (Vec3, f32) {
+        if !self.preview.transparent {
+            return (self.ground_or_sky(column, row), 1.0);
+        }
+        // A shadow is black that lets the rest of the light through; the eye judges that in sRGB, where pictures are
+        // laid over each other.
+        let shadow = self.ground(column, row).map_or(0.0, |(light, fade)| fade * (1.0 - math::srgb(light.y)));
+        (Vec3::ZERO, shadow)
+    }
+
+    /// The background, and the shadow on the ground.
+    fn ground_or_sky(&self, column: usize, row: usize) -> Vec3 {
         let down = (row as f32 + 0.5) / self.preview.height as f32;
         let [top, bottom] = self.preview.background.map(Vec3::from_array);
         let background = top.lerp(bottom, down);
-        let Some((middle, radius)) = self.ground else { return background };
+        let Some((light, fade)) = self.ground(column, row) else { return background };
+        let color = self.preview.ground.map_or(background, Vec3::from_array);
+        background.lerp(color * light, fade)
+    }
+
+    /// What is left of the light on the ground that is seen there, and how clearly it is seen; `None` beyond its edge.
+    fn ground(&self, column: usize, row: usize) -> Option<(Vec3, f32)> {
+        let (middle, radius) = self.ground?;
         let scale = self.samples as f32;
         let (x, y) = ((column as f32 + 0.5) * scale, (row as f32 + 0.5) * scale);
-        let Some(point) = self.view.ground(x, y, middle.y) else { return background };
+        let point = self.view.ground(x, y, middle.y)?;
         let outward = point.distance(middle) / radius;
-        if outward >= 1.0 {
-            return background;
-        }
         let fade = ((1.0 - outward) * 2.0).min(1.0);
-        let fade = fade * fade * (3.0 - 2.0 * fade);
-        let color = self.preview.ground.map_or(background, Vec3::from_array);
-        background.lerp(color * self.light.on_ground(point), fade)
+        (outward < 1.0).then(|| (self.light.on_ground(point), fade * fade * (3.0 - 2.0 * fade)))
+    }
+}
+
+/// What has been worked out once and is asked for again.
+struct Shades {
+    /// The colour of each facet at its middle.
+    facets: Vec<Option<Vec3>>,
+    /// What each copy of each part sees.
+    copies: Vec<Vec<Option<Seen>>>,
+}
+
+impl Shades {
+    fn new(facets: usize, parts: &[Placed<'_>]) -> Self {
+        let copies = parts.iter().map(|part| vec![None; part.copies()]).collect();
+        Self { facets: vec![None; facets], copies }
     }
 }
 
@@ -334,16 +417,7 @@ impl Tones {
     const ORDER: [[u8; 4]; 4] = [[0, 8, 2, 10], [12, 4, 14, 6], [3, 11, 1, 9], [15, 7, 13, 5]];
 
     fn new() -> Self {
-        let tone = |i: usize| {
-            let linear = i as f32 / (Self::STEPS - 1) as f32;
-            let encoded = if linear <= 0.003_130_8 {
-                12.92 * linear
-            } else {
-                1.055 * crate::math::powf(linear, 1.0 / 2.4) - 0.055
-            };
-            encoded * 255.0
-        };
-        Self((0..Self::STEPS).map(tone).collect())
+        Self((0..Self::STEPS).map(|i| math::srgb(i as f32 / (Self::STEPS - 1) as f32) * 255.0).collect())
     }
 
     fn of(&self, color: Vec3, (column, row): (usize, usize)) -> [u8; 3] {

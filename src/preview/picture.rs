@@ -3,6 +3,7 @@
 use super::{PreviewError, font};
 use crate::ParameterError;
 use glam::Vec2;
+use std::borrow::Cow;
 use std::io::{self, Write};
 
 /// Longest side of a picture, pixels.
@@ -10,7 +11,7 @@ pub(super) const LONGEST_SIDE: u32 = 16_384;
 /// Most pixels of a picture: 192 MiB.
 pub(super) const MOST_PIXELS: u64 = 1 << 26;
 
-/// An RGB picture with 8 bits a channel, sRGB. x goes right, y goes down, (0, 0) is the upper left corner of the
+/// An RGB picture with 8 bits a channel, sRGB, opaque unless it is drawn otherwise. x goes right, y goes down, (0, 0) is the upper left corner of the
 /// upper left pixel.
 ///
 /// Whatever is drawn outside is cut off.
@@ -31,6 +32,8 @@ pub struct Picture {
     width: u32,
     height: u32,
     pixels: Vec<[u8; 3]>,
+    /// One a pixel; none at all if everything is opaque.
+    alpha: Vec<u8>,
 }
 
 impl Picture {
@@ -40,7 +43,8 @@ impl Picture {
     /// Sides not within 1 to 16,384 pixels, or more than 2²⁶ pixels.
     pub fn new(width: u32, height: u32, color: [u8; 3]) -> Result<Self, PreviewError> {
         check_size("Picture", width, height)?;
-        Ok(Self { width, height, pixels: vec![color; width as usize * height as usize] })
+        let pixels = vec![color; width as usize * height as usize];
+        Ok(Self { width, height, pixels, alpha: Vec::new() })
     }
 
     /// Width in pixels.
@@ -58,8 +62,17 @@ impl Picture {
         &self.pixels
     }
 
-    pub(super) fn pixels_mut(&mut self) -> &mut [[u8; 3]] {
-        &mut self.pixels
+    /// How opaque each pixel is, row by row from the top, 0 to 255; empty if all are.
+    pub fn alpha(&self) -> &[u8] {
+        &self.alpha
+    }
+
+    /// Lets `paint` fill the pixels, and how opaque they are if the picture is to be `transparent`.
+    pub(super) fn paint(&mut self, transparent: bool, paint: impl FnOnce(&mut [[u8; 3]], &mut [u8])) {
+        if transparent {
+            self.alpha.resize(self.pixels.len(), 0);
+        }
+        paint(&mut self.pixels, &mut self.alpha);
     }
 
     /// The pixel in column `x` and row `y`; `None` outside.
@@ -68,7 +81,8 @@ impl Picture {
             .then(|| self.pixels[y as usize * self.width as usize + x as usize])
     }
 
-    /// Copies `other` into this picture, its upper left corner at (`x`, `y`).
+    /// Lays `other` over this picture, its upper left corner at (`x`, `y`). Where `other` is opaque, so is what comes
+    /// out; where it is not, this picture's opacity stays.
     pub fn blit(&mut self, other: &Self, x: i32, y: i32) {
         let columns = clip(x, other.width, self.width);
         if columns.is_empty() {
@@ -76,10 +90,12 @@ impl Picture {
         }
         for row in clip(y, other.height, self.height) {
             let from = (i64::from(row) - i64::from(y)) as usize * other.width as usize;
-            let to = row as usize * self.width as usize;
             let skipped = (i64::from(columns.start) - i64::from(x)) as usize;
-            let source = &other.pixels[from + skipped..][..columns.len()];
-            self.pixels[to + columns.start as usize..][..columns.len()].copy_from_slice(source);
+            for column in 0..columns.len() {
+                let source = from + skipped + column;
+                let opacity = other.alpha.get(source).map_or(1.0, |alpha| f32::from(*alpha) / 255.0);
+                self.blend(columns.start + column as u32, row, other.pixels[source], opacity);
+            }
         }
     }
 
@@ -133,7 +149,11 @@ impl Picture {
         let columns = clip(x, width, self.width);
         for row in clip(y, height, self.height) {
             let start = row as usize * self.width as usize;
-            self.pixels[start + columns.start as usize..start + columns.end as usize].fill(color);
+            let pixels = start + columns.start as usize..start + columns.end as usize;
+            self.pixels[pixels.clone()].fill(color);
+            if let Some(alpha) = self.alpha.get_mut(pixels) {
+                alpha.fill(255);
+            }
         }
     }
 
@@ -179,33 +199,81 @@ impl Picture {
     }
 
     fn blend(&mut self, x: u32, y: u32, color: [u8; 3], strength: f32) {
-        let pixel = &mut self.pixels[y as usize * self.width as usize + x as usize];
-        for (channel, new) in pixel.iter_mut().zip(color) {
-            let mixed = f32::from(*channel) + (f32::from(new) - f32::from(*channel)) * strength;
+        let at = y as usize * self.width as usize + x as usize;
+        // Over nothing, the new colour is the colour.
+        let mut share = strength;
+        if let Some(alpha) = self.alpha.get_mut(at) {
+            let below = f32::from(*alpha) / 255.0;
+            let opacity = strength + below * (1.0 - strength);
+            share = if opacity > 0.0 { strength / opacity } else { 0.0 };
+            *alpha = (opacity * 255.0 + 0.5) as u8;
+        }
+        for (channel, new) in self.pixels[at].iter_mut().zip(color) {
+            let mixed = f32::from(*channel) + (f32::from(new) - f32::from(*channel)) * share;
             *channel = (mixed + 0.5) as u8;
         }
     }
 
-    /// Writes the picture as a PNG file.
+    /// Writes the picture as a PNG file, with an alpha channel if it is not opaque.
     ///
     /// # Errors
     /// Whatever the writer returns.
     pub fn write_png(&self, writer: impl Write) -> Result<(), PreviewError> {
-        let mut encoder = png::Encoder::new(writer, self.width, self.height);
-        encoder.set_compression(png::Compression::High);
-        encoder.set_color(png::ColorType::Rgb);
-        encoder.set_depth(png::BitDepth::Eight);
-        encoder.set_source_srgb(png::SrgbRenderingIntent::Perceptual);
-        let write = || {
-            let mut writer = encoder.write_header()?;
-            writer.write_image_data(self.pixels.as_flattened())?;
-            writer.finish()
-        };
-        write().map_err(|error| match error {
-            png::EncodingError::IoError(error) => PreviewError::Io(error),
-            other => PreviewError::Io(io::Error::other(other)),
-        })
+        write_frames(std::slice::from_ref(self), None, writer)
     }
+
+    /// Writes pictures of one size as one PNG file that shows them in turn for ever (APNG), each so many milliseconds
+    /// long. A program that knows no animation shows the first.
+    ///
+    /// # Errors
+    /// No pictures, or such as differ in size or of which only some are transparent; whatever the writer returns.
+    pub fn write_animation(
+        pictures: &[Self],
+        milliseconds: u16,
+        writer: impl Write,
+    ) -> Result<(), PreviewError> {
+        let alike = |a: &Self, b: &Self| {
+            (a.width, a.height, a.alpha.is_empty()) == (b.width, b.height, b.alpha.is_empty())
+        };
+        let holds = !pictures.is_empty() && pictures.iter().all(|picture| alike(picture, &pictures[0]));
+        let range = "at least one, all of one size and all transparent or none";
+        ParameterError::unless(holds, "Picture.write_animation.pictures", pictures.len(), range)?;
+        write_frames(pictures, Some(milliseconds), writer)
+    }
+
+    /// The bytes of a PNG's rows.
+    fn bytes(&self) -> Cow<'_, [u8]> {
+        if self.alpha.is_empty() {
+            return Cow::Borrowed(self.pixels.as_flattened());
+        }
+        let rgba = self.pixels.iter().zip(&self.alpha);
+        Cow::Owned(rgba.flat_map(|(&[red, green, blue], &alpha)| [red, green, blue, alpha]).collect())
+    }
+}
+
+/// Writes at least one picture; all are alike in size and kind.
+fn write_frames(pictures: &[Picture], delay: Option<u16>, writer: impl Write) -> Result<(), PreviewError> {
+    let first = &pictures[0];
+    let mut encoder = png::Encoder::new(writer, first.width, first.height);
+    encoder.set_compression(png::Compression::High);
+    encoder.set_color(if first.alpha.is_empty() { png::ColorType::Rgb } else { png::ColorType::Rgba });
+    encoder.set_depth(png::BitDepth::Eight);
+    encoder.set_source_srgb(png::SrgbRenderingIntent::Perceptual);
+    let write = || {
+        if let Some(milliseconds) = delay {
+            encoder.set_animated(pictures.len() as u32, 0)?;
+            encoder.set_frame_delay(milliseconds, 1000)?;
+        }
+        let mut writer = encoder.write_header()?;
+        for picture in pictures {
+            writer.write_image_data(&picture.bytes())?;
+        }
+        writer.finish()
+    };
+    write().map_err(|error| match error {
+        png::EncodingError::IoError(error) => PreviewError::Io(error),
+        other => PreviewError::Io(io::Error::other(other)),
+    })
 }
 
 pub(super) fn check_size(of: &str, width: u32, height: u32) -> Result<(), ParameterError> {

@@ -15,6 +15,8 @@ const SIDE: usize = 1536;
 const THIN_SIDE: usize = 768;
 /// Triangles lower than this many texels go into the slices.
 const THIN: f32 = 2.0;
+/// The same for leaves: their triangles lie side by side, so that what one misses the next one meets.
+const THIN_LEAF: f32 = 0.5;
 /// Slices from the sun to the far end of the scene.
 const SLICES: usize = 8;
 /// Taps of the filter, on a spiral.
@@ -76,7 +78,7 @@ impl ShadowMap {
             return;
         }
         let corners = corners.map(|corner| self.project(corner));
-        if !raster::is_thin(corners, THIN) {
+        if !raster::is_thin(corners, if two_sided { THIN_LEAF } else { THIN }) {
             let depth = &mut self.depth;
             raster::fill(corners, SIDE, 0..SIDE, |x, y, nearness| {
                 let texel = &mut depth[y * SIDE + x];

@@ -1,8 +1,9 @@
 //! The renderer as a whole.
 
 use super::*;
-use crate::Skeleton;
-use crate::surface::Tubes;
+use crate::surface::{Instance, Tubes};
+use crate::{Skeleton, math};
+use glam::Quat;
 use proptest::prelude::*;
 
 const WHITE: [f32; 3] = [1.0; 3];
@@ -22,6 +23,10 @@ fn board(half: f32) -> Mesh {
     Mesh::new(positions, vec![Vec3::Z; 4], vec![0, 1, 2, 0, 2, 3])
 }
 
+fn black() -> Material {
+    Material::bark().with_color([0.0; 3])
+}
+
 fn plain(width: u32, height: u32) -> Preview {
     Preview::default().with_size(width, height).with_background(WHITE, WHITE).with_ground(false)
 }
@@ -34,7 +39,7 @@ fn level() -> Camera {
 fn rows(picture: &Picture) -> Vec<f32> {
     let linear = |v: u8| {
         let v = f32::from(v) / 255.0;
-        if v <= 0.04045 { v / 12.92 } else { crate::math::powf((v + 0.055) / 1.055, 2.4) }
+        if v <= 0.04045 { v / 12.92 } else { math::powf((v + 0.055) / 1.055, 2.4) }
     };
     let rows = picture.pixels().chunks(picture.width() as usize);
     rows.map(|row| row.iter().map(|pixel| 1.0 - linear(pixel[0])).sum()).collect()
@@ -43,7 +48,7 @@ fn rows(picture: &Picture) -> Vec<f32> {
 #[test]
 fn a_board_covers_its_pixels() {
     let camera = level().with_margin(0.25);
-    let picture = plain(64, 64).with_camera(camera).with_bark([0.0; 3]).draw(&board(1.0)).expect("a picture");
+    let picture = plain(64, 64).with_camera(camera).with_bark(black()).draw(&board(1.0)).expect("a picture");
     for (y, covered) in rows(&picture).into_iter().enumerate() {
         let expected = if (16..48).contains(&y) { 32.0 } else { 0.0 };
         assert!((covered - expected).abs() < 0.1, "{covered} in row {y}");
@@ -55,8 +60,7 @@ fn a_wire_is_as_dark_as_it_is_wide_and_never_broken() {
     for width in [0.05, 0.2, 0.5, 0.8, 1.5, 4.0] {
         let scale = 92.0 / 2.0;
         let mesh = pole(0.5 * width / scale);
-        let picture =
-            plain(100, 100).with_camera(level()).with_bark([0.0; 3]).draw(&mesh).expect("a picture");
+        let picture = plain(100, 100).with_camera(level()).with_bark(black()).draw(&mesh).expect("a picture");
         // The pole leans, and its polygon is narrower than its circle.
         let expected = width * 1.02;
         for (y, covered) in rows(&picture).into_iter().enumerate().skip(8).take(84) {
@@ -70,11 +74,11 @@ fn a_wire_is_as_dark_as_it_is_wide_and_never_broken() {
 fn the_back_is_seen_if_asked_for() {
     let mesh = board(1.0);
     let behind = plain(32, 32).with_camera(level().with_azimuth(std::f32::consts::PI));
-    let seen = |part: Part<'_>| -> f32 {
-        rows(&behind.draw_parts(&[part.with_color([0.0; 3])]).expect("a picture")).into_iter().sum()
-    };
-    assert!(seen(Part::new(&mesh)) < 0.1);
-    assert!(seen(Part::new(&mesh).with_two_sided(true)) > 500.0);
+    let seen =
+        |part: Part<'_>| -> f32 { rows(&behind.draw_parts(&[part]).expect("a picture")).into_iter().sum() };
+    let part = Part::new(&mesh);
+    assert!(seen(part.with_material(black())) < 0.1);
+    assert!(seen(part.with_material(black().with_double_sided(true))) > 500.0);
 }
 
 #[test]
@@ -82,7 +86,11 @@ fn what_is_nearer_hides_what_is_farther() {
     let mut near = board(0.5);
     near.positions.iter_mut().for_each(|p| p.z = 1.0);
     let far = board(1.0);
-    let parts = [Part::new(&near).with_color([0.9, 0.0, 0.0]), Part::new(&far).with_color([0.0, 0.0, 0.9])];
+    let colored = |color| Material::bark().with_color(color);
+    let parts = [
+        Part::new(&near).with_material(colored([0.9, 0.0, 0.0])),
+        Part::new(&far).with_material(colored([0.0, 0.0, 0.9])),
+    ];
     for parts in [[parts[0], parts[1]], [parts[1], parts[0]]] {
         let picture = plain(64, 64).with_camera(level()).draw_parts(&parts).expect("a picture");
         let [red, _, blue] = picture.pixel(32, 32).expect("inside");
@@ -106,6 +114,93 @@ fn a_trunk_has_a_shadow_on_the_ground() {
     };
     assert!(darkest(75..100) < Some(200), "to the right, away from the sun");
     assert!(darkest(0..25) > Some(230));
+}
+
+/// Three boards about the axis, each turned and scaled otherwise.
+fn boards() -> Vec<Instance> {
+    let place = |i: f32| Instance {
+        position: Vec3::new(math::cos(i * 2.0), i * 0.7, math::sin(i * 2.0)),
+        rotation: Quat::from_xyzw(0.0, math::sin(i), 0.0, math::cos(i)),
+        scale: 0.4 + 0.1 * i,
+        node: 0,
+    };
+    (0..3).map(|i| place(i as f32)).collect()
+}
+
+#[test]
+fn instances_are_drawn_like_copies() {
+    let (one, instances) = (board(1.0), boards());
+    let mut all = Mesh::default();
+    for instance in &instances {
+        let first = all.positions.len() as u32;
+        all.positions.extend(one.positions.iter().map(|&p| instance.matrix() * p + instance.position));
+        all.normals.extend(one.normals.iter().map(|&n| instance.rotation_matrix() * n));
+        all.indices.extend(one.indices.iter().map(|index| first + index));
+    }
+    let draw = |part: Part<'_>| {
+        let preview = Preview::default().with_size(90, 80);
+        preview.draw_parts(&[part.with_material(Material::leaf())]).expect("a picture")
+    };
+    assert_eq!(draw(Part::new(&one).with_instances(&instances)), draw(Part::new(&all)));
+}
+
+#[test]
+fn light_comes_through_leaves_alone() {
+    let lit = |material: Material| {
+        let preview = plain(16, 16).with_sun(Vec3::NEG_Z).with_camera(level());
+        let picture =
+            preview.draw_parts(&[Part::new(&board(1.0)).with_material(material)]).expect("a picture");
+        picture.pixel(8, 8).expect("inside")[1]
+    };
+    assert!(lit(Material::leaf()) > lit(Material::leaf().with_double_sided(false)) + 40);
+}
+
+#[test]
+fn a_transparent_picture_is_opaque_where_the_tree_is() {
+    let small = plain(64, 64).with_camera(level().with_margin(0.25)).with_transparency(true);
+    let picture = small.draw(&board(1.0)).expect("a picture");
+    for (i, alpha) in picture.alpha().iter().enumerate() {
+        let inside = [i % 64, i / 64].iter().all(|place| (16..48).contains(place));
+        assert_eq!(*alpha, if inside { 255 } else { 0 });
+    }
+    let edge = small.with_size(61, 61).draw(&board(1.0)).expect("a picture");
+    let bark = edge.pixel(30, 30).expect("inside");
+    let half = edge.alpha().iter().position(|alpha| (1..255).contains(alpha)).expect("edges are smooth");
+    let off = edge.pixels()[half][0].abs_diff(bark[0]);
+    assert!(off < 24, "an edge has the colour of the board, not of what is behind it: {off}");
+
+    let mut sheet = Picture::new(64, 64, [10, 20, 30]).expect("a sound size");
+    sheet.blit(&picture, 0, 0);
+    assert_eq!((sheet.pixel(0, 0), sheet.pixel(32, 32)), (Some([10, 20, 30]), picture.pixel(32, 32)));
+    let shadow = plain(64, 64).with_ground(true).with_transparency(true);
+    let shadow =
+        shadow.with_camera(Camera::default().with_elevation(0.5)).draw(&pole(0.1)).expect("a picture");
+    let dark = shadow.pixels().iter().zip(shadow.alpha());
+    assert!(dark.filter(|(color, alpha)| **color == [0; 3] && (20..230).contains(*alpha)).count() > 20);
+}
+
+#[test]
+fn a_turntable_turns_in_its_place() {
+    let (mesh, instances) = (board(1.0), boards());
+    let parts = [Part::new(&mesh).with_material(Material::leaf()).with_instances(&instances)];
+    let preview = Preview::default().with_size(60, 60);
+    let pictures: Vec<_> = preview.turntable(&parts, 4).collect::<Result<_, _>>().expect("four pictures");
+    assert_eq!(pictures.len(), 4);
+    assert!(pictures.windows(2).all(|pair| pair[0] != pair[1]));
+    let mut file = Vec::new();
+    Picture::write_animation(&pictures, 100, &mut file).expect("memory takes everything");
+    let mut reader = png::Decoder::new(std::io::Cursor::new(&file)).read_info().expect("a PNG");
+    assert_eq!(reader.info().animation_control().map(|control| control.num_frames), Some(4));
+    for picture in &pictures {
+        let mut pixels = vec![0; reader.output_buffer_size().expect("small")];
+        reader.next_frame(&mut pixels).expect("a frame");
+        assert_eq!(pixels, picture.pixels().as_flattened());
+    }
+    let other = Picture::new(5, 5, [0; 3]).expect("a sound size");
+    for wrong in [&[][..], &[pictures[0].clone(), other]] {
+        assert!(matches!(Picture::write_animation(wrong, 1, &mut file), Err(PreviewError::Parameter(_))));
+    }
+    assert!(matches!(Picture::write_animation(&pictures, 1, &mut [0u8; 50][..]), Err(PreviewError::Io(_))));
 }
 
 #[test]
@@ -135,7 +230,7 @@ fn faults_are_named() {
         small.clone().with_supersampling(9),
         small.clone().with_sun(Vec3::ZERO),
         small.clone().with_sun(Vec3::NAN),
-        small.clone().with_bark([2.0, 0.0, 0.0]),
+        small.clone().with_bark(Material::bark().with_color([2.0, 0.0, 0.0])),
         small.clone().with_background([nan; 3], WHITE),
         small.clone().with_ground_color([-1.0; 3]),
         small.clone().with_ground_height(f32::INFINITY),
@@ -173,7 +268,7 @@ proptest! {
             camera = camera.framing(Bounds { min: Vec3::ZERO, max: Vec3::from_array(high) });
         }
         let preview = Preview::default().with_size(size.0, size.1).with_supersampling(samples).with_camera(camera);
-        let picture = preview.draw_parts(&[Part::new(&mesh).with_two_sided(two_sided)]);
+        let picture = preview.draw_parts(&[Part::new(&mesh).with_material(black().with_double_sided(two_sided))]);
         prop_assert_eq!(picture.map(|p| (p.width(), p.height())).ok(), Some(size));
     }
 }

@@ -1,5 +1,6 @@
 //! Triangles as plain arrays.
 
+use super::Instance;
 use crate::shape::Bounds;
 use glam::{Vec2, Vec3, Vec4};
 
@@ -137,6 +138,15 @@ pub enum MeshError {
         vertex: usize,
         /// Its texture coordinate.
         uv: Vec2,
+    },
+    /// A copy of the mesh that has no place: NaN, an infinity, a scale that is not positive, or a rotation that is
+    /// not of length 1 within 0.001.
+    #[error("instance {index} cannot be placed: {instance:?}")]
+    Instance {
+        /// The number of the instance.
+        index: usize,
+        /// What it is.
+        instance: Instance,
     },
     /// A triangle without area.
     #[error("triangle {triangle} has no area: its vertices are {corners:?}")]

@@ -7,21 +7,26 @@
 //! | [`Capsules`] | branches as [`Capsule`]s, for collisions |
 //!
 //! [`Skeleton::relaxed`](crate::Skeleton::relaxed) takes the kinks out of a skeleton first. Meshes are plain arrays, [`Mesh`], with
-//! [`Wind`] weights where they are wanted.
+//! [`Wind`] weights where they are wanted. A [`Part`] is a mesh with its [`Material`], once or at many places
+//! ([`Instance`]): what is written and drawn.
 
 mod axis;
 mod capsule;
 mod circle;
 mod collar;
 mod level;
+mod material;
 mod mesh;
+mod part;
 mod simplify;
 mod tube;
 mod weave;
 
 pub use capsule::{Capsule, Capsules};
 pub use level::{Level, Levels};
+pub use material::Material;
 pub use mesh::{Mesh, MeshError, Wind};
+pub use part::{Instance, Part};
 pub use tube::Tubes;
 
 use crate::ParameterError;

@@ -11,6 +11,7 @@ const LAYERS: &[&[&str]] = &[
     &["radius", "metrics"],
     &["guided"],
     &["surface"],
+    &["foliage"],
     &["export", "preview"],
     &["presets"],
     &["testing"],

@@ -5,7 +5,9 @@
 mod allocations;
 #[cfg(feature = "json")]
 mod bad_input;
+mod exports;
 mod figures;
+mod foliage;
 #[cfg(feature = "testing")]
 mod invariants;
 mod layers;

@@ -4,7 +4,7 @@ use crate::sample::cases;
 use proptest::prelude::*;
 use treesynth::glam::Vec3;
 use treesynth::preview::{Camera, Preview};
-use treesynth::surface::{Capsules, Level, Levels, SurfaceError, Tubes};
+use treesynth::surface::{Capsules, Level, Levels, Material, SurfaceError, Tubes};
 use treesynth::{Bounds, Skeleton, presets};
 
 fn tree(name: &str, nodes: usize) -> Skeleton {
@@ -15,7 +15,10 @@ fn tree(name: &str, nodes: usize) -> Skeleton {
 
 /// How much of a picture the tree covers; twigs finer than a pixel cover a part of it.
 fn coverage(level: &Level, frame: Bounds) -> f64 {
-    let preview = Preview::default().with_size(240, 240).with_ground(false).with_bark([0.0; 3]);
+    let preview = Preview::default()
+        .with_size(240, 240)
+        .with_ground(false)
+        .with_bark(Material::default().with_color([0.0; 3]));
     let camera = Camera::default().framing(frame);
     let picture =
         preview.with_background([1.0; 3], [1.0; 3]).with_camera(camera).draw(&level.mesh).expect("a picture");

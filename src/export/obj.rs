@@ -1,0 +1,105 @@
+//! Wavefront OBJ (`.obj`) and its materials (`.mtl`).
+//!
+//! Text: `v`, `vt`, `vn` and `f` lines, an object and a material a part.
+
+use super::{ExportError, check_parts};
+use crate::surface::Part;
+use std::io::{self, Write};
+
+/// Writes all parts, instances multiplied out one by one, for OBJ knows none. `materials` is the name of the file that
+/// [`write_mtl`] writes, as it is found from this one, in one line without a break.
+///
+/// Metres, +Y up. Textures' v goes up, as OBJ has it, so it is 1 less this crate's. Every number reads back as the same
+/// bits. O(vertices + triangles) time, O(1) memory.
+///
+/// ```
+/// use treesynth::{export, glam::Vec3, surface::{Mesh, Part}};
+///
+/// let triangle = Mesh::new(vec![Vec3::ZERO, Vec3::X, Vec3::Y], vec![Vec3::Z; 3], vec![0, 1, 2]);
+/// let parts = [Part::new(&triangle)];
+/// let (mut obj, mut mtl) = (Vec::new(), Vec::new());
+/// export::write_obj(&parts, "tree.mtl", &mut obj)?;
+/// export::write_mtl(&parts, &mut mtl)?;
+/// assert!(String::from_utf8_lossy(&obj).contains("f 1//1 2//2 3//3"));
+/// # Ok::<(), export::ExportError>(())
+/// ```
+///
+/// # Errors
+/// Parts without a single triangle, or that are not sound; whatever the writer returns. Once a byte is written,
+/// nothing but the writer can fail.
+pub fn write_obj(parts: &[Part<'_>], materials: &str, writer: impl Write) -> Result<(), ExportError> {
+    check_parts(parts)?;
+    let mut writer = io::BufWriter::with_capacity(1 << 16, writer);
+    writeln!(writer, "# treesynth, metres, +Y up")?;
+    writeln!(writer, "mtllib {}", materials.replace(char::is_control, "_"))?;
+    // OBJ counts from 1, through all objects, each kind of line by itself.
+    let (mut first, mut first_uv) = (1, 1);
+    for (part, name) in parts.iter().zip(names(parts)) {
+        let mesh = part.mesh();
+        writeln!(writer, "o {name}\nusemtl {name}")?;
+        for copy in part.copies() {
+            let (matrix, rotation) = (copy.matrix(), copy.rotation_matrix());
+            for &position in &mesh.positions {
+                let [x, y, z] = (matrix * position + copy.position).to_array();
+                writeln!(writer, "v {x} {y} {z}")?;
+            }
+            for uv in &mesh.uvs {
+                writeln!(writer, "vt {} {}", uv.x, 1.0 - uv.y)?;
+            }
+            for &normal in &mesh.normals {
+                let [x, y, z] = (rotation * normal).to_array();
+                writeln!(writer, "vn {x} {y} {z}")?;
+            }
+            for corners in mesh.triangles() {
+                write!(writer, "f")?;
+                for corner in corners.map(u64::from) {
+                    let (vertex, uv) = (first + corner, first_uv + corner);
+                    if mesh.uvs.is_empty() {
+                        write!(writer, " {vertex}//{vertex}")?;
+                    } else {
+                        write!(writer, " {vertex}/{uv}/{vertex}")?;
+                    }
+                }
+                writeln!(writer)?;
+            }
+            first += mesh.positions.len() as u64;
+            first_uv += mesh.uvs.len() as u64;
+        }
+    }
+    // Flushing by hand: dropping a BufWriter swallows the error.
+    writer.flush()?;
+    Ok(())
+}
+
+/// Writes the materials of the parts: linear colour (`Kd`), no highlight, roughness (`Pr`, as exporters of physically
+/// based materials write it).
+///
+/// # Errors
+/// As of [`write_obj`].
+pub fn write_mtl(parts: &[Part<'_>], writer: impl Write) -> Result<(), ExportError> {
+    check_parts(parts)?;
+    let mut writer = io::BufWriter::new(writer);
+    writeln!(writer, "# treesynth")?;
+    for (part, name) in parts.iter().zip(names(parts)) {
+        let ([red, green, blue], rough) = (part.material().color(), part.material().roughness());
+        writeln!(writer, "newmtl {name}\nKd {red} {green} {blue}\nKs 0 0 0\nPr {rough}\nillum 1")?;
+    }
+    writer.flush()?;
+    Ok(())
+}
+
+/// A word a part, no two alike.
+fn names(parts: &[Part<'_>]) -> Vec<String> {
+    let mut names: Vec<String> = Vec::new();
+    for part in parts {
+        let mut name = part.name().replace(|c: char| c.is_whitespace() || c.is_control(), "_");
+        if name.is_empty() {
+            name = "part".into();
+        }
+        while names.contains(&name) {
+            name.push('_');
+        }
+        names.push(name);
+    }
+    names
+}

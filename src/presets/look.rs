@@ -1,0 +1,182 @@
+//! Bark and leaves of the presets: kinds of trees, with sizes and arrangements as floras give them and colours chosen
+//! by eye.
+
+use crate::foliage::{Arrangement, Foliage, Leaf};
+use crate::surface::Material;
+
+/// A time of the year.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[non_exhaustive]
+pub enum Season {
+    /// No leaves.
+    Winter,
+    /// Green.
+    #[default]
+    Summer,
+    /// As in summer, in other colours.
+    Autumn,
+}
+
+/// What a kind of tree wears.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Look {
+    bark: [u8; 3],
+    summer: [u8; 3],
+    autumn: [u8; 3],
+    leaves: Option<fn() -> Foliage>,
+}
+
+impl Look {
+    pub(super) fn bark(&self) -> Material {
+        Material::bark().with_srgb(self.bark)
+    }
+
+    pub(super) fn foliage(&self, season: Season) -> Option<Foliage> {
+        let color = match season {
+            Season::Winter => return None,
+            Season::Summer => self.summer,
+            Season::Autumn => self.autumn,
+        };
+        self.leaves.map(|leaves| leaves().with_material(Material::leaf().with_srgb(color)))
+    }
+}
+
+/// A dead tree, or a drawing.
+pub(super) const BARE: Look = Look { bark: [112, 96, 83], summer: [0; 3], autumn: [0; 3], leaves: None };
+
+pub(super) const ASH: Look = Look {
+    bark: [116, 107, 96],
+    summer: [84, 124, 54],
+    autumn: [200, 176, 70],
+    leaves: Some(|| {
+        Foliage::new(Leaf::pinnate().with_petiole(0.15))
+            .with_arrangement(Arrangement::Decussate)
+            .with_spacing(0.09)
+            .with_size(0.2)
+            .with_reach(0.5)
+    }),
+};
+
+pub(super) const ELM: Look = Look {
+    bark: [98, 84, 71],
+    summer: [78, 112, 46],
+    autumn: [206, 168, 58],
+    leaves: Some(|| {
+        Foliage::new(Leaf::ovate().with_petiole(0.1)).with_spacing(0.02).with_size(0.11).with_reach(0.9)
+    }),
+};
+
+pub(super) const LINDEN: Look = Look {
+    bark: [104, 94, 82],
+    summer: [88, 126, 52],
+    autumn: [214, 184, 72],
+    leaves: Some(|| {
+        Foliage::new(Leaf::deltoid().with_petiole(0.4)).with_spacing(0.025).with_size(0.11).with_reach(0.9)
+    }),
+};
+
+pub(super) const OAK: Look = Look {
+    bark: [92, 80, 67],
+    summer: [74, 106, 44],
+    autumn: [158, 104, 48],
+    leaves: Some(|| {
+        Foliage::new(Leaf::sinuate().with_petiole(0.06))
+            .with_arrangement(Arrangement::SPIRAL)
+            .with_spacing(0.02)
+            .with_size(0.13)
+            .with_reach(0.7)
+    }),
+};
+
+pub(super) const MAPLE: Look = Look {
+    bark: [106, 94, 82],
+    summer: [84, 120, 48],
+    autumn: [206, 92, 42],
+    leaves: Some(|| {
+        Foliage::new(Leaf::lobed().with_petiole(0.7))
+            .with_arrangement(Arrangement::Decussate)
+            .with_spacing(0.06)
+            .with_size(0.1)
+    }),
+};
+
+pub(super) const CHESTNUT: Look = Look {
+    bark: [98, 84, 72],
+    summer: [72, 108, 44],
+    autumn: [186, 122, 56],
+    leaves: Some(|| {
+        Foliage::new(Leaf::palmate().with_petiole(0.7))
+            .with_arrangement(Arrangement::Decussate)
+            .with_spacing(0.12)
+            .with_size(0.15)
+            .with_reach(0.45)
+    }),
+};
+
+pub(super) const WILLOW: Look = Look {
+    bark: [108, 97, 76],
+    summer: [118, 142, 78],
+    autumn: [208, 190, 90],
+    leaves: Some(|| {
+        Foliage::new(Leaf::lanceolate().with_petiole(0.08))
+            .with_arrangement(Arrangement::SPIRAL)
+            .with_spacing(0.018)
+            .with_size(0.13)
+            .with_rise(-0.8)
+            .with_turn(0.4)
+            .with_reach(2.0)
+    }),
+};
+
+pub(super) const BIRCH: Look = Look {
+    bark: [206, 201, 190],
+    summer: [104, 140, 60],
+    autumn: [222, 190, 70],
+    leaves: Some(|| {
+        Foliage::new(Leaf::deltoid().with_petiole(0.4))
+            .with_spacing(0.016)
+            .with_size(0.075)
+            .with_rise(-0.4)
+            .with_disorder(0.5)
+            .with_reach(1.0)
+    }),
+};
+
+pub(super) const POPLAR: Look = Look {
+    bark: [138, 130, 114],
+    summer: [102, 134, 62],
+    autumn: [220, 184, 60],
+    leaves: Some(|| {
+        Foliage::new(Leaf::deltoid().with_petiole(0.8))
+            .with_arrangement(Arrangement::SPIRAL)
+            .with_spacing(0.022)
+            .with_size(0.1)
+            .with_disorder(0.6)
+            .with_reach(0.9)
+    }),
+};
+
+pub(super) const HAZEL: Look = Look {
+    bark: [122, 104, 84],
+    summer: [96, 130, 56],
+    autumn: [212, 178, 74],
+    leaves: Some(|| {
+        Foliage::new(Leaf::ovate().with_petiole(0.12)).with_spacing(0.025).with_size(0.12).with_reach(0.9)
+    }),
+};
+
+pub(super) const SPRUCE: Look = Look {
+    bark: [98, 76, 62],
+    summer: [50, 78, 46],
+    autumn: [50, 78, 46],
+    leaves: Some(|| {
+        Foliage::new(Leaf::needles())
+            .with_arrangement(Arrangement::SPIRAL)
+            .with_spacing(0.035)
+            .with_size(0.16)
+            .with_angle(0.7)
+            .with_turn(0.2)
+            .with_reach(1.4)
+            .with_thickest(0.015)
+    }),
+};

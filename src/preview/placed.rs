@@ -1,0 +1,73 @@
+//! A part with all its copies in their places.
+
+use crate::surface::Part;
+use glam::Vec3;
+use std::borrow::Cow;
+
+pub(super) struct Placed<'a> {
+    part: Part<'a>,
+    /// Copy by copy, each with all vertices of the mesh.
+    pub(super) positions: Cow<'a, [Vec3]>,
+    /// The mean of the mesh's vertices.
+    middle: Vec3,
+}
+
+impl<'a> Placed<'a> {
+    /// Of a part with at least one vertex.
+    pub(super) fn new(part: &Part<'a>) -> Self {
+        let positions = if part.instances().is_none() {
+            Cow::Borrowed(&part.mesh().positions[..])
+        } else {
+            let mut positions = Vec::with_capacity(part.vertices() as usize);
+            for copy in part.copies() {
+                let matrix = copy.matrix();
+                positions.extend(part.mesh().positions.iter().map(|&point| matrix * point + copy.position));
+            }
+            Cow::Owned(positions)
+        };
+        let mesh = part.mesh();
+        let middle = mesh.positions.iter().sum::<Vec3>() / mesh.positions.len() as f32;
+        Self { part: *part, positions, middle }
+    }
+
+    pub(super) fn color(&self) -> Vec3 {
+        self.part.material().color().into()
+    }
+
+    pub(super) fn two_sided(&self) -> bool {
+        self.part.material().is_double_sided()
+    }
+
+    /// The corners of each triangle of each copy, as indices of positions.
+    pub(super) fn triangles(&self) -> impl Iterator<Item = [u32; 3]> {
+        let mesh = self.part.mesh();
+        let copies = 0..self.part.copies().len() as u32;
+        copies.flat_map(move |copy| {
+            let first = copy * mesh.positions.len() as u32;
+            mesh.triangles().map(move |corners| corners.map(|corner| first + corner))
+        })
+    }
+
+    pub(super) fn copies(&self) -> usize {
+        self.part.copies().len()
+    }
+
+    /// The copy a vertex belongs to, if there are several, and the middle of that copy.
+    pub(super) fn copy_of(&self, vertex: u32) -> Option<(usize, Vec3)> {
+        let instances = self.part.instances()?;
+        let copy = vertex as usize / self.part.mesh().positions.len();
+        let instance = &instances[copy];
+        Some((copy, instance.matrix() * self.middle + instance.position))
+    }
+
+    /// The normals at the corners of a triangle.
+    pub(super) fn normals(&self, corners: [u32; 3]) -> [Vec3; 3] {
+        let mesh = self.part.mesh();
+        let vertices = mesh.positions.len();
+        if self.part.instances().is_none() {
+            return corners.map(|corner| mesh.normals[corner as usize]);
+        }
+        let rotation = self.part.copies()[corners[0] as usize / vertices].rotation_matrix();
+        corners.map(|corner| rotation * mesh.normals[corner as usize % vertices])
+    }
+}

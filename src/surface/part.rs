@@ -1,0 +1,171 @@
+//! A mesh, how it looks and where it stands: what files and pictures are made of.
+
+use super::{Material, Mesh, MeshError};
+use crate::ParameterError;
+use glam::{Mat3, Quat, Vec3};
+
+/// Where one copy of a mesh stands: scaled, then turned, then moved.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Instance {
+    /// Where the mesh's origin comes to lie, metres.
+    pub position: Vec3,
+    /// How the mesh is turned; of length 1.
+    pub rotation: Quat,
+    /// By how much it is enlarged, in all directions.
+    pub scale: f32,
+    /// The node of the skeleton whose internode bears it.
+    pub node: u32,
+}
+
+impl Instance {
+    /// The mesh as it is, at the root.
+    pub const IDENTITY: Self = Self { position: Vec3::ZERO, rotation: Quat::IDENTITY, scale: 1.0, node: 0 };
+
+    /// Rotation and scale: `matrix * point + self.position` is the copy of a point of the mesh.
+    pub fn matrix(&self) -> Mat3 {
+        self.rotation_matrix() * self.scale
+    }
+
+    /// The rotation as a matrix. Applying it takes the same steps on every platform, which a quaternion's own
+    /// product does not.
+    pub fn rotation_matrix(&self) -> Mat3 {
+        Mat3::from_quat(self.rotation)
+    }
+
+    /// Whether a mesh that reaches so far from its origin has finite copies here.
+    fn is_sound(&self, reach: f32) -> bool {
+        let [x, y, z, w] = self.rotation.to_array();
+        let length = x * x + y * y + z * z + w * w;
+        let farthest = self.position.abs().max_element() + 2.0 * self.scale * reach;
+        (length - 1.0).abs() <= 2e-3 && self.scale > 0.0 && self.scale.is_finite() && farthest.is_finite()
+    }
+}
+
+/// A mesh with a material and a name, once, or as often as there are instances.
+///
+/// Instances are never multiplied out in memory: files that know no instances get their copies one by one.
+///
+/// ```
+/// use treesynth::surface::{Instance, Material, Mesh, Part};
+///
+/// let leaf = Mesh::default();
+/// let twice = [Instance::IDENTITY; 2];
+/// let part = Part::new(&leaf).with_name("leaves").with_material(Material::leaf()).with_instances(&twice);
+/// assert_eq!(part.copies().len(), 2);
+/// ```
+#[derive(Debug, Clone, Copy)]
+pub struct Part<'a> {
+    name: &'a str,
+    mesh: &'a Mesh,
+    material: Material,
+    instances: Option<&'a [Instance]>,
+}
+
+impl<'a> Part<'a> {
+    /// A mesh once, with the default bark, named `bark`.
+    pub fn new(mesh: &'a Mesh) -> Self {
+        Self { name: "bark", mesh, material: Material::default(), instances: None }
+    }
+
+    /// What files call it; default `bark`.
+    pub fn with_name(mut self, name: &'a str) -> Self {
+        self.name = name;
+        self
+    }
+
+    /// How it looks; default [`Material::bark`].
+    pub fn with_material(mut self, material: Material) -> Self {
+        self.material = material;
+        self
+    }
+
+    /// A copy of the mesh at each of these places, instead of one at the root. May be empty.
+    pub fn with_instances(mut self, instances: &'a [Instance]) -> Self {
+        self.instances = Some(instances);
+        self
+    }
+
+    /// Its name.
+    pub fn name(&self) -> &'a str {
+        self.name
+    }
+
+    /// The mesh of one copy.
+    pub fn mesh(&self) -> &'a Mesh {
+        self.mesh
+    }
+
+    /// How it looks.
+    pub fn material(&self) -> Material {
+        self.material
+    }
+
+    /// Its instances, if it has been given any.
+    pub fn instances(&self) -> Option<&'a [Instance]> {
+        self.instances
+    }
+
+    /// Where its copies stand: the instances, or the identity once.
+    pub fn copies(&self) -> &'a [Instance] {
+        self.instances.unwrap_or(&[Instance::IDENTITY])
+    }
+
+    /// Vertices of all copies.
+    pub fn vertices(&self) -> u64 {
+        self.mesh.positions.len() as u64 * self.copies().len() as u64
+    }
+
+    /// Triangles of all copies.
+    pub fn triangles(&self) -> u64 {
+        self.mesh.triangles().len() as u64 * self.copies().len() as u64
+    }
+
+    /// Whether it can be written and drawn. O(vertices + triangles + instances).
+    pub(crate) fn check<E: From<ParameterError> + From<MeshError>>(&self) -> Result<(), E> {
+        self.material.check()?;
+        self.mesh.check_arrays()?;
+        let reach = self.mesh.positions.iter().map(|p| p.abs().max_element()).fold(0.0, f32::max);
+        if let Some(index) = self.copies().iter().position(|instance| !instance.is_sound(2.0 * reach)) {
+            return Err(MeshError::Instance { index, instance: self.copies()[index] }.into());
+        }
+        Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::f32::consts::FRAC_PI_2;
+
+    #[test]
+    fn instances_scale_turn_and_move() {
+        let quarter = Quat::from_rotation_z(FRAC_PI_2);
+        let instance = Instance { position: Vec3::Z, rotation: quarter, scale: 2.0, node: 0 };
+        let at = |point: Vec3| instance.matrix() * point + instance.position;
+        assert!(at(Vec3::X).abs_diff_eq(Vec3::new(0.0, 2.0, 1.0), 1e-6));
+        assert!(at(Vec3::Y).abs_diff_eq(Vec3::new(-2.0, 0.0, 1.0), 1e-6));
+        assert_eq!(Instance::IDENTITY.matrix(), Mat3::IDENTITY);
+    }
+
+    #[test]
+    fn unsound_instances_are_named() {
+        let fine = Instance::IDENTITY;
+        let mesh = Mesh::new(vec![Vec3::X * 10.0], vec![Vec3::X], Vec::new());
+        let check = |instance: Instance| {
+            let pair = [fine, instance];
+            Part::new(&mesh).with_instances(&pair).check::<crate::export::ExportError>()
+        };
+        assert!(check(fine).is_ok());
+        for wrong in [
+            Instance { position: Vec3::NAN, ..fine },
+            Instance { scale: 3e38, ..fine },
+            Instance { rotation: Quat::from_xyzw(0.0, 0.0, 0.0, 0.5), ..fine },
+            Instance { rotation: Quat::from_xyzw(f32::NAN, 0.0, 0.0, 1.0), ..fine },
+            Instance { scale: 0.0, ..fine },
+            Instance { scale: f32::INFINITY, ..fine },
+        ] {
+            let error = check(wrong).expect_err("not sound").to_string();
+            assert!(error.contains("instance 1"), "{error}");
+        }
+    }
+}
