@@ -102,24 +102,30 @@ fn write(path: &Path, picture: &Picture) -> Result<(), Failure> {
     Ok(writer.flush()?)
 }
 
-/// The unfinished tree, if the figure shows it, and the finished one.
+/// The unfinished tree, if the figure shows it, and the finished one; of a tree that refines the one at a single
+/// resolution first, in a graph of all the nodes.
 fn draw(preset: &Preset, options: &Options) -> Result<Vec<Picture>, Failure> {
     let synth = preset.synth(options.nodes);
+    let mut pictures = Vec::new();
+    if synth.refines() {
+        // The first graph of a tree that refines has a quarter of the nodes.
+        let synth = preset.synth(4 * options.nodes).without_refinements();
+        let graph = synth.build_graph(preset.seed, &Silent)?;
+        let mut picture = draw_stages(preset, &synth, &graph, synth.stages().len(), Season::Winter, options)?;
+        picture.label(&format!("{}, one resolution", preset.name), 6, 6, 1, [60, 60, 60]);
+        pictures.push(picture);
+    }
     let graph = synth.build_graph(preset.seed, &Silent)?;
     let stages = synth.stages().len();
     let shown = preset.partial_stages.into_iter().chain([stages]);
-    shown
-        .map(|count| {
-            let label = if count < stages {
-                format!("{}, {count} of {stages}", preset.name)
-            } else {
-                preset.name.into()
-            };
-            let mut picture = draw_stages(preset, &synth, &graph, count, Season::Winter, options)?;
-            picture.label(&label, 6, 6, 1, [60, 60, 60]);
-            Ok(picture)
-        })
-        .collect()
+    for count in shown {
+        let label =
+            if count < stages { format!("{}, {count} of {stages}", preset.name) } else { preset.name.into() };
+        let mut picture = draw_stages(preset, &synth, &graph, count, Season::Winter, options)?;
+        picture.label(&label, 6, 6, 1, [60, 60, 60]);
+        pictures.push(picture);
+    }
+    Ok(pictures)
 }
 
 fn draw_stages(

@@ -184,6 +184,17 @@ impl TreeSynth {
         self
     }
 
+    /// The same stages at one resolution, that of the first graph: no stage refines.
+    pub fn without_refinements(mut self) -> Self {
+        self.stages.iter_mut().for_each(|stage| stage.refinement = None);
+        self
+    }
+
+    /// Whether a stage refines.
+    pub fn refines(&self) -> bool {
+        self.stages.iter().any(|stage| stage.refinement.is_some())
+    }
+
     /// Another radius model.
     pub fn with_radius(mut self, radius: impl RadiusModel + 'static) -> Self {
         self.radius = Arc::new(radius);

@@ -206,3 +206,13 @@ fn bad_options_are_named() {
         }
     }
 }
+
+#[test]
+fn without_refinements_it_is_as_if_none_had_been_asked_for() {
+    let twigs = || Stage::new(Bend::none(), HopSurface::new(3, Count::UpTo(100)));
+    let (refined, plain) = (limbs().stage(twigs().with_refinement(refinement())), limbs().stage(twigs()));
+    assert!(refined.refines() && !plain.refines());
+    let stripped = refined.without_refinements();
+    assert!(!stripped.refines());
+    assert_eq!(stripped.synthesize(5).unwrap(), plain.synthesize(5).unwrap());
+}
