@@ -1,6 +1,6 @@
 //! Grows a tree, with leaves or without, and writes it as model files, a picture and data.
 //!
-//!     cargo run --release --example tree -- --preset figure-06c --seed 7 --out out
+//!     cargo run --release --example tree -- --preset fine-oak --seed 7 --out out
 
 mod files;
 mod options;

@@ -10,7 +10,7 @@ Grows a tree and writes NAME.glb, NAME.png and NAME.json, or what --format says.
 
 cargo run --release --example tree -- [OPTIONS]
 
-  --preset NAME   one of --list                                [figure-06c]
+  --preset NAME   one of --list                                [fine-oak]
   --list          the presets, one a line, and nothing else
   --seed N        the seed                                     [the preset's]
   --nodes N       nodes of the graph                           [150000]
@@ -39,7 +39,7 @@ impl Options {
     /// `None` when the user asked for a text, which has been printed.
     pub(crate) fn from_arguments() -> Result<Option<Self>, super::Failure> {
         let mut options = Self {
-            preset: "figure-06c".into(),
+            preset: "fine-oak".into(),
             seed: None,
             nodes: TYPICAL_NODES,
             season: Season::Summer,
