@@ -56,6 +56,7 @@ pub mod presets;
 pub mod preview;
 pub mod radius;
 pub mod random;
+pub mod self_organizing;
 pub mod shape;
 pub mod skeleton;
 pub mod surface;
@@ -72,6 +73,7 @@ pub use observer::{Observer, Progress, Silent, Work};
 pub use parameter::ParameterError;
 pub use radius::{RadiusError, RadiusModel};
 pub use rand;
+pub use self_organizing::{Forest, SelfOrganizing};
 pub use shape::{Bounds, Shape};
 pub use skeleton::{Skeleton, SkeletonError};
 

@@ -12,3 +12,16 @@ pub(crate) fn map<T: Send>(count: usize, f: impl Fn(usize) -> T + Sync + Send) -
 pub(crate) fn map<T>(count: usize, f: impl Fn(usize) -> T) -> Vec<T> {
     (0..count).map(f).collect()
 }
+
+/// `f(i, item i)` for each item; the results in that order whatever the threads did.
+#[cfg(feature = "parallel")]
+pub(crate) fn each_mut<I: Send, T: Send>(items: &mut [I], f: impl Fn(usize, &mut I) -> T + Sync + Send) -> Vec<T> {
+    use rayon::iter::{IndexedParallelIterator, IntoParallelRefMutIterator, ParallelIterator};
+    items.par_iter_mut().enumerate().map(|(i, item)| f(i, item)).collect()
+}
+
+/// `f(i, item i)` for each item.
+#[cfg(not(feature = "parallel"))]
+pub(crate) fn each_mut<I, T>(items: &mut [I], f: impl Fn(usize, &mut I) -> T) -> Vec<T> {
+    items.iter_mut().enumerate().map(|(i, item)| f(i, item)).collect()
+}
