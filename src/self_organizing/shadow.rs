@@ -9,7 +9,7 @@ use glam::{IVec3, Vec3};
 
 /// Parts of a `a`, the strongest shadow, that a cell counts in.
 const STEPS: f32 = (1 << 14) as f32;
-/// Slices of the grid that one task fills.
+/// Cells in z that one task fills; a pyramid then lies on few pages of memory.
 const SLAB: usize = 16;
 /// The most cells of a grid.
 const MOST_CELLS: u64 = 1 << 31;
@@ -73,8 +73,8 @@ struct Grid {
     stride: usize,
     /// What a row of the pyramid adds, by q, zeros at its end; and the same negative (wrapping).
     table: [Vec<Vec<[u32; LANES]>>; 2],
-    /// One a z, margins included; rows of x, from the ground up as far as nodes are.
-    slices: Vec<Vec<u32>>,
+    /// One for every [`SLAB`] of z, margins included: layers from the ground up as far as nodes are, of rows of x.
+    slabs: Vec<Vec<Vec<u32>>>,
 }
 
 impl Default for ShadowPropagation {
@@ -180,7 +180,7 @@ impl Environment for ShadowPropagation {
     }
 
     fn update(&mut self, appeared: &[Vec3], fallen: &[Vec3]) {
-        if self.grid.slices.is_empty() {
+        if self.grid.slabs.is_empty() {
             self.grid = Grid::new(&self.options);
         }
         let cells = |points: &[Vec3], falls: bool| -> Vec<Caster> {
@@ -246,7 +246,7 @@ impl Grid {
             margin,
             stride: size.x as usize + 2 * margin + LANES,
             table: [table(|power| power), table(u32::wrapping_neg)],
-            slices: vec![Vec::new(); size.z as usize + 2 * margin],
+            slabs: vec![Vec::new(); (size.z as usize + 2 * margin).div_ceil(SLAB)],
         }
     }
 
@@ -259,13 +259,13 @@ impl Grid {
         if x >= self.stride {
             return 0;
         }
-        let row = self.slices.get(z).map_or(&[][..], |slice| slice.as_slice());
-        row.get(y.wrapping_mul(self.stride).wrapping_add(x)).copied().unwrap_or(0)
+        let layer = self.slabs.get(z / SLAB).and_then(|layers| layers.get(y));
+        layer.map_or(0, |layer| layer[z % SLAB * self.stride + x])
     }
 
     /// Adds the pyramids of all `casters`, or takes them away. Sums of integers do not depend on the order.
     fn cast(&mut self, casters: &[Caster]) {
-        let slabs = self.slices.len().div_ceil(SLAB);
+        let slabs = self.slabs.len();
         let reached = |caster: &Caster| {
             let z = usize::from(caster.cell[2]);
             z / SLAB..=(z + 2 * self.margin) / SLAB
@@ -288,30 +288,53 @@ impl Grid {
             }
         }
         let (margin, stride, table) = (self.margin, self.stride, &self.table);
-        let mut slabs: Vec<&mut [Vec<u32>]> = self.slices.chunks_mut(SLAB).collect();
-        parallel::each_mut(&mut slabs, |slab, slices| {
+        parallel::each_mut(&mut self.slabs, |slab, layers| {
+            let first = slab * SLAB;
             for &member in &members[starts[slab]..starts[slab + 1]] {
                 let caster = casters[member as usize];
                 let [x, y, z] = caster.cell.map(usize::from);
+                while layers.len() <= y {
+                    layers.push(vec![0; SLAB * stride]);
+                }
                 let table = &table[usize::from(caster.falls)];
-                let (first, last) = (slab * SLAB, slab * SLAB + slices.len() - 1);
-                for slice in z.max(first)..=(z + 2 * margin).min(last) {
-                    let aside = slice.abs_diff(z + margin);
-                    let rows = &mut slices[slice - first];
-                    if rows.len() < (y + 1) * stride {
-                        rows.resize((y + 1) * stride, 0);
-                    }
-                    for (q, powers) in table.iter().enumerate().take(y + 1).skip(aside) {
-                        let row = &mut rows[(y - q) * stride + x + margin - q..][..LANES * powers.len()];
-                        for (cells, powers) in row.as_chunks_mut::<LANES>().0.iter_mut().zip(powers) {
-                            for (cell, power) in cells.iter_mut().zip(powers) {
-                                *cell = cell.wrapping_add(*power);
-                            }
-                        }
+                for (q, (powers, layer)) in table.iter().zip(layers[..=y].iter_mut().rev()).enumerate() {
+                    let low = (z + margin).saturating_sub(q).max(first) - first;
+                    let high = (z + margin + q + 1).min(first + SLAB).saturating_sub(first);
+                    if low < high {
+                        let rows = &mut layer[low * stride..high * stride];
+                        add_to_rows(rows, stride, x + margin - q, powers);
                     }
                 }
             }
         });
+    }
+}
+
+/// Adds `powers` to each row from column `start` on.
+fn add_to_rows(rows: &mut [u32], stride: usize, start: usize, powers: &[[u32; LANES]]) {
+    // Fixed widths make straight code; up to 7 cells of height there are no others.
+    if let Ok(powers) = powers.try_into() {
+        add_to_rows_of::<1>(rows, stride, start, powers);
+    } else if let Ok(powers) = powers.try_into() {
+        add_to_rows_of::<2>(rows, stride, start, powers);
+    } else if let Ok(powers) = powers.try_into() {
+        add_to_rows_of::<3>(rows, stride, start, powers);
+    } else if let Ok(powers) = powers.try_into() {
+        add_to_rows_of::<4>(rows, stride, start, powers);
+    } else {
+        for (i, power) in powers.iter().enumerate() {
+            add_to_rows_of(rows, stride, start + i * LANES, std::array::from_ref(power));
+        }
+    }
+}
+
+#[inline]
+fn add_to_rows_of<const N: usize>(rows: &mut [u32], stride: usize, start: usize, powers: &[[u32; LANES]; N]) {
+    let powers = *powers;
+    for row in rows.chunks_exact_mut(stride) {
+        for (cells, powers) in row[start..start + N * LANES].as_chunks_mut::<LANES>().0.iter_mut().zip(powers) {
+            *cells = std::array::from_fn(|i| cells[i].wrapping_add(powers[i]));
+        }
     }
 }
 

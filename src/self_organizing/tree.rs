@@ -99,8 +99,6 @@ impl Tree {
         self.number
     }
 
-    /// x
-    pub fn created(&self) -> u32 { self.next_number - 1 }
     /// Which of the forest's habits it has.
     pub fn habit(&self) -> usize {
         self.habit as usize
@@ -254,10 +252,15 @@ impl Tree {
     fn shed(&self, habit: &Habit, season: u16, vigor: &[f32], shed: &mut Vec<u32>) {
         let Some(shedding) = habit.shedding else { return };
         let exponent = shedding.exponent / habit.width_exponent;
+        let need = |count: u32| shedding.multiplier * math::powf(count as f32, exponent);
+        // Most counts are small and come often.
+        let needs: Vec<f32> = (0..=self.nodes[0].count.min(255)).map(need).collect();
         for (node, data) in self.nodes.iter().enumerate().skip(1) {
-            let need = || shedding.multiplier * math::powf(data.count as f32, exponent);
-            if season - data.born >= shedding.grace && vigor[node] < need() {
-                shed.push(node as u32);
+            if season - data.born >= shedding.grace {
+                let need = needs.get(data.count as usize).copied().unwrap_or_else(|| need(data.count));
+                if vigor[node] < need {
+                    shed.push(node as u32);
+                }
             }
         }
     }
