@@ -22,12 +22,14 @@ pub(super) const TURNS: u32 = 4;
 
 /// Trees that grow season by season and compete in one [`Environment`].
 ///
-/// A season has all buds look at the environment as it is, shares out vigor, sheds and grows, tree by tree on all
-/// threads, and then tells the environment what changed; so the result depends neither on the order of the trees nor on
-/// the number of threads. Every random draw is keyed by (seed, tree, node).
+/// In a season the trees take four turns, by the remainder of their numbers; under an environment that surveys buds
+/// it is one for all. In each turn all buds of its trees look at the environment as it is, then vigor is shared out,
+/// branches are shed and shoots grow, tree by tree on all threads, and then the environment is told what changed. So
+/// neighbours do not all grow into the same gap, and the number of threads does not matter. Every random draw is
+/// keyed by (seed, tree, node).
 ///
-/// Memory: 36 bytes a metamer, and on the way about 20 more for those of the trees being worked on. Time: O(n) a season for n metamers, and what
-/// the environment takes.
+/// Memory: 36 bytes a metamer, on the way about 16 more for those of the trees being worked on. Time: O(n) a season
+/// for n metamers, and what the environment takes.
 ///
 /// ```
 /// use treesynth::glam::Vec3;
@@ -68,7 +70,8 @@ pub enum GrowthError {
     /// An option is out of its range.
     #[error(transparent)]
     Parameter(#[from] ParameterError),
-    /// The season would have led beyond the limit of metamers. The forest is as the season before left it.
+    /// The next turn of the season would have led beyond the limit of metamers. All that has grown until then is kept;
+    /// with a higher limit, growth goes on from there.
     #[error(
         "season {season} would bring the forest to {metamers} metamers, but the limit is {limit}; what has grown until \
          then is kept"
@@ -89,7 +92,8 @@ pub enum GrowthError {
         /// The highest number.
         most: u32,
     },
-    /// The observer cancelled the work. The forest is as the latest finished season left it.
+    /// The observer cancelled the work. What has grown is kept; growth may go on from there, and a season that was
+    /// broken off between two turns is finished first.
     #[error("cancelled by the observer")]
     Cancelled,
     /// The radii of a tree could not be worked out.
@@ -152,7 +156,7 @@ impl<E: Environment> Forest<E> {
         self
     }
 
-    /// Sets the most metamers, at most 2³¹; 10 million by default. A season that would lead beyond is not begun.
+    /// Sets the most metamers, at most 2³¹; 10 million by default. A turn that would lead beyond is not begun.
     pub fn with_most_metamers(mut self, metamers: usize) -> Self {
         self.most_metamers = metamers;
         self
@@ -212,7 +216,7 @@ impl<E: Environment> Forest<E> {
     /// One season.
     ///
     /// # Errors
-    /// Options out of range, and the limits. The forest is then as it was.
+    /// Options out of range, and the limits.
     pub fn step(&mut self) -> Result<(), GrowthError> {
         self.grow_observed(1, &Silent)
     }
@@ -266,7 +270,9 @@ impl<E: Environment> Forest<E> {
         let season = self.season.checked_add(1).ok_or(GrowthError::Numbers { what: "seasons", most: 65_535 })?;
         let standing = self.metamers() as u64;
         let (habits, seed, turn) = (&self.habits, self.seed, self.turn);
-        let mut trees: Vec<&mut Tree> = self.trees.iter_mut().filter(|tree| tree.number % TURNS == turn).collect();
+        // Buds that share out markers must all be there at once.
+        let turns = if self.environment.surveys() { 1 } else { TURNS };
+        let mut trees: Vec<&mut Tree> = self.trees.iter_mut().filter(|tree| tree.number % turns == turn).collect();
         let mut firsts = Vec::new();
         if self.environment.surveys() {
             let sites = parallel::each_mut(&mut trees, |_, tree| tree.sites(&habits[tree.habit as usize], seed));
@@ -288,7 +294,7 @@ impl<E: Environment> Forest<E> {
             let habit = &habits[tree.habit as usize];
             tree.carry_out(std::mem::take(plan), room, |point| environment.contains(point), habit, season)
         });
-        self.turn = (turn + 1) % TURNS;
+        self.turn = (turn + 1) % turns;
         if self.turn == 0 {
             self.season = season;
             changes.push(self.bury_and_sow());

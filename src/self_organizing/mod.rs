@@ -11,7 +11,7 @@
 //!
 //! [`SelfOrganizing`] grows one tree, [`Forest`] many that share an environment.
 
-
+mod colonization;
 mod environment;
 mod forest;
 mod habit;
@@ -27,7 +27,7 @@ mod tree;
 mod vigor;
 mod width;
 
-
+pub use colonization::SpaceColonization;
 pub use environment::{Bud, Environment};
 pub use forest::{Forest, GrowthError};
 pub use habit::{Habit, Phyllotaxis, Shedding};
