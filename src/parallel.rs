@@ -15,7 +15,10 @@ pub(crate) fn map<T>(count: usize, f: impl Fn(usize) -> T) -> Vec<T> {
 
 /// `f(i, item i)` for each item; the results in that order whatever the threads did.
 #[cfg(feature = "parallel")]
-pub(crate) fn each_mut<I: Send, T: Send>(items: &mut [I], f: impl Fn(usize, &mut I) -> T + Sync + Send) -> Vec<T> {
+pub(crate) fn each_mut<I: Send, T: Send>(
+    items: &mut [I],
+    f: impl Fn(usize, &mut I) -> T + Sync + Send,
+) -> Vec<T> {
     use rayon::iter::{IndexedParallelIterator, IntoParallelRefMutIterator, ParallelIterator};
     // Handing work to the pool costs some ten microseconds.
     if items.len() < 2 || rayon::current_num_threads() == 1 {

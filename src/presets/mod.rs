@@ -15,10 +15,13 @@
 
 mod comparison;
 mod fine;
+mod organized;
 mod plane;
 mod rotation;
 mod variety;
 mod volume;
+
+pub use organized::{Stand, WALL, stand_by_name, stands};
 
 use crate::guided::{Bend, Count, HopSurface, InShape, NearestTo, PoissonYao, Stage, TreeSynth};
 use crate::radius::{PipeModel, Taper};

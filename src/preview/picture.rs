@@ -191,20 +191,59 @@ impl Picture {
     /// # Errors
     /// Whatever the writer returns.
     pub fn write_png(&self, writer: impl Write) -> Result<(), PreviewError> {
+        let write = || {
+            let mut writer = self.encoder(writer).write_header()?;
+            writer.write_image_data(self.pixels.as_flattened())?;
+            writer.finish()
+        };
+        write().map_err(failed)
+    }
+
+    /// Writes pictures of one size as an animated PNG that repeats, each shown for so many milliseconds, at most
+    /// 65,535. What does not know of animations shows the first.
+    ///
+    /// # Errors
+    /// No pictures, or not all of one size; whatever the writer returns.
+    pub fn write_animation(
+        pictures: &[Self],
+        milliseconds: u16,
+        writer: impl Write,
+    ) -> Result<(), PreviewError> {
+        let frames = pictures.len() as u32;
+        let parameter = "Picture.write_animation.pictures";
+        let first = pictures.first().ok_or_else(|| ParameterError::new(parameter, 0, "at least 1"))?;
+        let size = |picture: &Self| (picture.width, picture.height);
+        if let Some(other) = pictures.iter().find(|picture| size(picture) != size(first)) {
+            let range = format!("of one size, {:?} pixels", size(first));
+            return Err(ParameterError::new(parameter, format_args!("{:?}", size(other)), range).into());
+        }
+        let write = || {
+            let mut encoder = first.encoder(writer);
+            encoder.set_animated(frames, 0)?;
+            encoder.set_frame_delay(milliseconds, 1000)?;
+            let mut writer = encoder.write_header()?;
+            for picture in pictures {
+                writer.write_image_data(picture.pixels.as_flattened())?;
+            }
+            writer.finish()
+        };
+        write().map_err(failed)
+    }
+
+    fn encoder<W: Write>(&self, writer: W) -> png::Encoder<'static, W> {
         let mut encoder = png::Encoder::new(writer, self.width, self.height);
         encoder.set_compression(png::Compression::High);
         encoder.set_color(png::ColorType::Rgb);
         encoder.set_depth(png::BitDepth::Eight);
         encoder.set_source_srgb(png::SrgbRenderingIntent::Perceptual);
-        let write = || {
-            let mut writer = encoder.write_header()?;
-            writer.write_image_data(self.pixels.as_flattened())?;
-            writer.finish()
-        };
-        write().map_err(|error| match error {
-            png::EncodingError::IoError(error) => PreviewError::Io(error),
-            other => PreviewError::Io(io::Error::other(other)),
-        })
+        encoder
+    }
+}
+
+fn failed(error: png::EncodingError) -> PreviewError {
+    match error {
+        png::EncodingError::IoError(error) => PreviewError::Io(error),
+        other => PreviewError::Io(io::Error::other(other)),
     }
 }
 
@@ -264,6 +303,22 @@ mod tests {
         let info = reader.next_frame(&mut pixels).expect("a PNG");
         assert_eq!((info.width, info.height, info.color_type), (7, 3, png::ColorType::Rgb));
         assert_eq!(pixels, picture.pixels().as_flattened());
+    }
+
+    #[test]
+    fn an_animation_reads_back() {
+        let frames = [white(5, 4), Picture::new(5, 4, BLACK).expect("a sound size")];
+        let mut bytes = Vec::new();
+        Picture::write_animation(&frames, 250, &mut bytes).expect("a vector takes everything");
+        let mut reader = png::Decoder::new(io::Cursor::new(bytes)).read_info().expect("a PNG");
+        assert_eq!(reader.info().animation_control().map(|control| control.num_frames), Some(2));
+        let mut pixels = vec![0; reader.output_buffer_size().expect("small")];
+        for frame in &frames {
+            reader.next_frame(&mut pixels).expect("a frame");
+            assert_eq!(pixels, frame.pixels().as_flattened());
+        }
+        assert!(Picture::write_animation(&[], 1, io::sink()).is_err());
+        assert!(Picture::write_animation(&[white(1, 2), white(2, 1)], 1, io::sink()).is_err());
     }
 
     #[test]

@@ -196,11 +196,7 @@ impl Environment for SpaceColonization {
         let far = |marker: &&Vec3| !marker.abs().cmple(Vec3::splat(LARGEST)).all();
         if let Some(marker) = markers.iter().find(far) {
             let range = "within a million metres";
-            return Err(ParameterError::new(
-                "SpaceColonization.markers",
-                format_args!("{marker:?}"),
-                range,
-            ));
+            return Err(ParameterError::new("SpaceColonization.markers", format_args!("{marker:?}"), range));
         }
         within("SpaceColonization.occupancy", *occupancy, 0.0, 1e3)?;
         within("SpaceColonization.distance", *distance, 0.0, 1e3)?;
@@ -211,12 +207,7 @@ impl Environment for SpaceColonization {
 
 fn check_count(markers: usize) -> Result<(), ParameterError> {
     let range = "1 to 67108864 markers";
-    ParameterError::unless(
-        (1..=MOST_MARKERS).contains(&markers),
-        "SpaceColonization.markers",
-        markers,
-        range,
-    )
+    ParameterError::unless((1..=MOST_MARKERS).contains(&markers), "SpaceColonization.markers", markers, range)
 }
 
 impl Grid {
@@ -226,8 +217,11 @@ impl Grid {
         let cell = radius.max(bounds.size().max_element() / MOST_CELLS).max(1e-6);
         let size = (bounds.size() / cell).as_ivec3() + 1;
         let mut grid = Self { min: bounds.min, cell, size, starts: Vec::new(), members: Vec::new() };
-        let mut cells: Vec<(u32, u32)> =
-            markers.iter().enumerate().map(|(i, &marker)| (grid.number(grid.place(marker)), i as u32)).collect();
+        let mut cells: Vec<(u32, u32)> = markers
+            .iter()
+            .enumerate()
+            .map(|(i, &marker)| (grid.number(grid.place(marker)), i as u32))
+            .collect();
         cells.sort_unstable();
         let count = grid.number(size - 1) + 1;
         grid.starts = (0..=count).map(|cell| cells.partition_point(|entry| entry.0 < cell) as u32).collect();

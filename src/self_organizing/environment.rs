@@ -1,7 +1,7 @@
 //! What buds compete for.
 
-use super::tree::{Site, Tree};
 use super::habit::Habit;
+use super::tree::{Site, Tree};
 use crate::ParameterError;
 use glam::Vec3;
 

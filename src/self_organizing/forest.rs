@@ -182,7 +182,12 @@ impl<E: Environment> Forest<E> {
     /// As `plant`, and a species that does not exist.
     pub fn plant_as(&mut self, foot: Vec3, habit: usize) -> Result<u32, GrowthError> {
         self.check()?;
-        ParameterError::unless(habit < self.habits.len(), "habit", habit, "the number of one of the species")?;
+        ParameterError::unless(
+            habit < self.habits.len(),
+            "habit",
+            habit,
+            "the number of one of the species",
+        )?;
         let range = "where the environment, envelopes and obstacles leave room, within a million metres";
         ParameterError::unless(self.has_room(foot), "foot", foot, range)?;
         let trees = self.trees.len();
@@ -267,15 +272,18 @@ impl<E: Environment> Forest<E> {
 
     /// The season of the trees whose turn it is: they look, all at once, then grow, then the environment is told.
     fn take_turn(&mut self) -> Result<(), GrowthError> {
-        let season = self.season.checked_add(1).ok_or(GrowthError::Numbers { what: "seasons", most: 65_535 })?;
+        let season =
+            self.season.checked_add(1).ok_or(GrowthError::Numbers { what: "seasons", most: 65_535 })?;
         let standing = self.metamers() as u64;
         let (habits, seed, turn) = (&self.habits, self.seed, self.turn);
         // Buds that share out markers must all be there at once.
         let turns = if self.environment.surveys() { 1 } else { TURNS };
-        let mut trees: Vec<&mut Tree> = self.trees.iter_mut().filter(|tree| tree.number % turns == turn).collect();
+        let mut trees: Vec<&mut Tree> =
+            self.trees.iter_mut().filter(|tree| tree.number % turns == turn).collect();
         let mut firsts = Vec::new();
         if self.environment.surveys() {
-            let sites = parallel::each_mut(&mut trees, |_, tree| tree.sites(&habits[tree.habit as usize], seed));
+            let sites =
+                parallel::each_mut(&mut trees, |_, tree| tree.sites(&habits[tree.habit as usize], seed));
             self.environment.prepare(&sites.concat());
             firsts.extend(sites.iter().scan(0, |next, sites| {
                 *next += sites.len() as u32;
@@ -338,9 +346,15 @@ impl<E: Environment> Forest<E> {
     /// No tree of this number; no such node, or the foot.
     pub fn cut(&mut self, tree: u32, node: usize) -> Result<(), ParameterError> {
         let place = self.trees.binary_search_by_key(&tree, Tree::number);
-        let place = place.map_err(|_| ParameterError::new("tree", tree, "the number of a tree that stands"))?;
+        let place =
+            place.map_err(|_| ParameterError::new("tree", tree, "the number of a tree that stands"))?;
         let nodes = self.trees[place].nodes.len();
-        ParameterError::unless((1..nodes).contains(&node), "node", node, "a node of the tree above its foot")?;
+        ParameterError::unless(
+            (1..nodes).contains(&node),
+            "node",
+            node,
+            "a node of the tree above its foot",
+        )?;
         let fallen = self.trees[place].cut(node as u32);
         self.environment.update(&[], &fallen);
         Ok(())

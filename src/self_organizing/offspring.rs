@@ -58,12 +58,7 @@ impl Offspring {
     }
 
     pub(super) fn check(&self) -> Result<(), ParameterError> {
-        ParameterError::unless(
-            self.interval > 0,
-            "Offspring.interval",
-            self.interval,
-            "at least 1 season",
-        )?;
+        ParameterError::unless(self.interval > 0, "Offspring.interval", self.interval, "at least 1 season")?;
         within("Offspring.least_vigor", self.least_vigor, 1.0, 1e9)?;
         within("Offspring.seeds", self.seeds, 0.0, 1000.0)?;
         within("Offspring.distance", self.distance, 0.0, 1e4)
@@ -76,7 +71,9 @@ impl Offspring {
 
     /// Where the seeds fall of a tree at `foot` that is so many seasons old.
     pub(super) fn sow(&self, foot: Vec3, vigor: f32, age: u16, seed: u64, tree: u32) -> Vec<Vec3> {
-        if age < self.maturity || vigor < self.least_vigor || !(age - self.maturity).is_multiple_of(self.interval)
+        if age < self.maturity
+            || vigor < self.least_vigor
+            || !(age - self.maturity).is_multiple_of(self.interval)
         {
             return Vec::new();
         }

@@ -28,12 +28,23 @@ impl<E: Environment> TryFrom<Saved<E>> for Forest<E> {
     type Error = ParameterError;
 
     fn try_from(saved: Saved<E>) -> Result<Self, ParameterError> {
-        let Saved { environment, habits, trees, seed, season, turn, next_tree, most_metamers, most_trees } = saved;
+        let Saved { environment, habits, trees, seed, season, turn, next_tree, most_metamers, most_trees } =
+            saved;
         ParameterError::unless(!habits.is_empty(), "habits", 0, "at least 1")?;
         ParameterError::unless(turn < TURNS, "turn", turn, "below 4")?;
         let room = Room::default();
-        let mut forest =
-            Self { environment, room, habits, trees, seed, season, turn, next_tree, most_metamers, most_trees };
+        let mut forest = Self {
+            environment,
+            room,
+            habits,
+            trees,
+            seed,
+            season,
+            turn,
+            next_tree,
+            most_metamers,
+            most_trees,
+        };
         forest.check()?;
         let mut last = None;
         for tree in &forest.trees {

@@ -42,7 +42,11 @@ const LANES: usize = 4;
 /// assert_eq!(light.shadow(Vec3::new(0.07, 0.97, 0.01)), 0.0);
 /// ```
 #[derive(Debug, Clone, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(try_from = "Options", into = "Options"))]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(try_from = "Options", into = "Options")
+)]
 pub struct ShadowPropagation {
     options: Options,
     grid: Grid,
@@ -171,11 +175,8 @@ impl Environment for ShadowPropagation {
         let Some(cell) = self.cell(bud.position()) else { return UP };
         let falls = |axis: IVec3| self.value(cell - axis) - self.value(cell + axis);
         // There is nothing below the ground to compare with.
-        let up = if cell.y > 0 {
-            falls(IVec3::Y)
-        } else {
-            2.0 * (self.value(cell) - self.value(cell + IVec3::Y))
-        };
+        let up =
+            if cell.y > 0 { falls(IVec3::Y) } else { 2.0 * (self.value(cell) - self.value(cell + IVec3::Y)) };
         Vec3::new(falls(IVec3::X), up, falls(IVec3::Z)).normalize_or(UP)
     }
 
@@ -238,7 +239,10 @@ impl Grid {
         let power = |q: u32| (STEPS * math::powf(options.falloff, -(q as f32)) + 0.5) as u32;
         let row = |q: u32, power: u32| -> Vec<[u32; LANES]> {
             let width = 2 * q as usize + 1;
-            (0..width).step_by(LANES).map(|x| std::array::from_fn(|i| if x + i < width { power } else { 0 })).collect()
+            (0..width)
+                .step_by(LANES)
+                .map(|x| std::array::from_fn(|i| if x + i < width { power } else { 0 }))
+                .collect()
         };
         let table = |sign: fn(u32) -> u32| (0..=options.height).map(|q| row(q, sign(power(q)))).collect();
         Self {
@@ -332,7 +336,8 @@ fn add_to_rows(rows: &mut [u32], stride: usize, start: usize, powers: &[[u32; LA
 fn add_to_rows_of<const N: usize>(rows: &mut [u32], stride: usize, start: usize, powers: &[[u32; LANES]; N]) {
     let powers = *powers;
     for row in rows.chunks_exact_mut(stride) {
-        for (cells, powers) in row[start..start + N * LANES].as_chunks_mut::<LANES>().0.iter_mut().zip(powers) {
+        for (cells, powers) in row[start..start + N * LANES].as_chunks_mut::<LANES>().0.iter_mut().zip(powers)
+        {
             *cells = std::array::from_fn(|i| cells[i].wrapping_add(powers[i]));
         }
     }

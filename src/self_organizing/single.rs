@@ -5,10 +5,10 @@ use super::forest::{Forest, GrowthError};
 use super::habit::Habit;
 use super::shadow::ShadowPropagation;
 use super::tree::Tree;
+use crate::ParameterError;
 use crate::observer::{Observer, Silent};
 use crate::shape::Shape;
 use crate::skeleton::Skeleton;
-use crate::ParameterError;
 use glam::Vec3;
 
 /// One tree that grows season by season: a [`Forest`] of one, at the origin.

@@ -37,7 +37,10 @@ fn sensed(tree: &Tree, environment: &impl Environment) -> Supply {
 fn assert_sound(tree: &Tree) {
     for (i, node) in tree.nodes.iter().enumerate().skip(1) {
         assert!((node.parent as usize) < i);
-        assert_eq!(tree.nodes[node.parent as usize].children.iter().filter(|&&child| child == i as u32).count(), 1);
+        assert_eq!(
+            tree.nodes[node.parent as usize].children.iter().filter(|&&child| child == i as u32).count(),
+            1
+        );
         assert!(node.number < tree.next_number);
     }
     let borne = tree.nodes.iter().flat_map(|node| node.children).filter(|&child| child < DEAD).count();
@@ -92,7 +95,10 @@ fn vigor_is_conserved_at_each_fork() {
         }
         for (node, &sum) in handed.iter().enumerate() {
             let vigor = f64::from(supply.vigor[node]);
-            assert!((vigor - sum).abs() <= 1e-4 * vigor.max(1e-3), "{model:?}: {vigor} became {sum} at {node}");
+            assert!(
+                (vigor - sum).abs() <= 1e-4 * vigor.max(1e-3),
+                "{model:?}: {vigor} became {sum} at {node}"
+            );
         }
         assert!((buds - f64::from(root)).abs() < 1e-3 * f64::from(root));
     }

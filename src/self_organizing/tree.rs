@@ -197,7 +197,14 @@ impl Tree {
     }
 
     /// Steps 1 to 4 as decisions; `first` is the index of the tree's first bud in the environment's list.
-    pub(super) fn plan<E: Environment>(&self, environment: &E, habit: &Habit, seed: u64, season: u16, first: u32) -> Plan {
+    pub(super) fn plan<E: Environment>(
+        &self,
+        environment: &E,
+        habit: &Habit,
+        seed: u64,
+        season: u16,
+        first: u32,
+    ) -> Plan {
         let mut supply = Supply::default();
         let firsts = if environment.surveys() { self.first_buds(first) } else { Vec::new() };
         let index = |node: usize, side: usize| {
@@ -266,7 +273,14 @@ impl Tree {
     }
 
     /// Does what was planned.
-    pub(super) fn carry_out(&mut self, plan: Plan, room: &Room, contains: impl Fn(Vec3) -> bool, habit: &Habit, season: u16) -> Change {
+    pub(super) fn carry_out(
+        &mut self,
+        plan: Plan,
+        room: &Room,
+        contains: impl Fn(Vec3) -> bool,
+        habit: &Habit,
+        season: u16,
+    ) -> Change {
         self.vigor = plan.vigor;
         let mut change = Change::default();
         let places = self.fell(&plan.shed, DEAD, &mut change.fallen);

@@ -94,16 +94,31 @@ impl Supply {
 
     /// Shares out the root's vigor. Calls `sprout` with each bud (node, side) and its vigor. O(n), and O(n log n) in
     /// the priority model.
-    pub(super) fn share(&mut self, tree: &Tree, model: VigorModel, root: f32, sprout: &mut impl FnMut(usize, usize, f32)) {
+    pub(super) fn share(
+        &mut self,
+        tree: &Tree,
+        model: VigorModel,
+        root: f32,
+        sprout: &mut impl FnMut(usize, usize, f32),
+    ) {
         self.vigor.resize(tree.nodes.len(), 0.0);
         self.vigor[0] = root;
         match model {
             VigorModel::BorchertHonda { apical_control } => self.share_by_forks(tree, apical_control, sprout),
-            VigorModel::Priority { first, last, part } => self.share_by_axes(tree, [first, last, part], sprout),
+            VigorModel::Priority { first, last, part } => {
+                self.share_by_axes(tree, [first, last, part], sprout)
+            }
         }
     }
 
-    fn give(&mut self, tree: &Tree, node: usize, side: usize, vigor: f32, sprout: &mut impl FnMut(usize, usize, f32)) {
+    fn give(
+        &mut self,
+        tree: &Tree,
+        node: usize,
+        side: usize,
+        vigor: f32,
+        sprout: &mut impl FnMut(usize, usize, f32),
+    ) {
         match tree.nodes[node].children[side] {
             BUD => sprout(node, side, vigor),
             DEAD => {}
@@ -111,7 +126,12 @@ impl Supply {
         }
     }
 
-    fn share_by_forks(&mut self, tree: &Tree, apical_control: f32, sprout: &mut impl FnMut(usize, usize, f32)) {
+    fn share_by_forks(
+        &mut self,
+        tree: &Tree,
+        apical_control: f32,
+        sprout: &mut impl FnMut(usize, usize, f32),
+    ) {
         for node in 0..tree.nodes.len() {
             let main = apical_control * self.light_of(tree, node, 0);
             let lateral = (1.0 - apical_control) * self.light_of(tree, node, 1);
