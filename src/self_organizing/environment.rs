@@ -14,8 +14,8 @@ use glam::Vec3;
 ///   What the environment answers depends on its own options and on the nodes that stand, not on how they came to
 ///   stand. If not, a forest that is read back from a file goes on differently, because it is told of all standing
 ///   nodes at once, and regrowth after a cut sees ghosts.
-/// - [`light`](Self::light) is finite and at least zero. NaN and negative numbers count as zero; infinite light ends
-///   growth at the limit.
+/// - [`light`](Self::light) is finite and at least zero. NaN and negative numbers count as zero; where sums
+///   of light leave the range of `f32`, nothing grows.
 /// - [`direction`](Self::direction) is a unit vector, or zero where none is better. Nothing breaks if it is longer, but
 ///   then it weighs more than the habit says.
 /// - Both are asked from several threads, and must not depend on the order. If they do, equal seeds no longer give

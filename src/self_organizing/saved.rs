@@ -69,6 +69,7 @@ pub(super) struct SavedTree {
     nodes: Vec<Node>,
     number: u32,
     habit: u32,
+    generation: u16,
     next_number: u32,
     vigor: f32,
 }
@@ -77,7 +78,7 @@ impl TryFrom<SavedTree> for Tree {
     type Error = ParameterError;
 
     fn try_from(saved: SavedTree) -> Result<Self, ParameterError> {
-        let SavedTree { nodes, number, habit, next_number, vigor } = saved;
+        let SavedTree { nodes, number, habit, generation, next_number, vigor } = saved;
         ParameterError::unless(!nodes.is_empty(), "nodes", 0, "at least 1")?;
         let mut borne = 0;
         for (i, node) in nodes.iter().enumerate() {
@@ -101,6 +102,6 @@ impl TryFrom<SavedTree> for Tree {
         }
         let others = nodes.len() - 1;
         ParameterError::unless(borne == others, "children", borne, "one mention of each node but the foot")?;
-        Ok(Self { nodes, number, habit, next_number, vigor })
+        Ok(Self { nodes, number, habit, generation, next_number, vigor })
     }
 }

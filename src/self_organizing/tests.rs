@@ -1,6 +1,7 @@
 //! What only the inside shows: light and vigor at each node.
 
 use super::environment::{Bud, Environment};
+use super::room::Room;
 use super::tree::{BUD, DEAD, Node, Tree};
 use super::vigor::Supply;
 use super::*;
@@ -111,10 +112,11 @@ fn by_hand() -> Tree {
         parent,
         children,
         count: 1,
+        load: 1,
         number,
         born: 1,
     };
-    let mut tree = Tree::new(Vec3::ZERO, 0, 0, 0);
+    let mut tree = Tree::new(Vec3::ZERO, 0, 0, 0, 0);
     tree.next_number = 9;
     tree.nodes = vec![
         node(0.0, 0, [1, DEAD], 0),
@@ -198,7 +200,7 @@ fn shoots_are_as_long_as_their_vigor() {
 fn shedding_follows_the_rule() {
     let mut tree = by_hand();
     for (node, count) in tree.nodes.iter_mut().zip([7, 7, 4, 32, 2, 2, 2]) {
-        node.count = count;
+        node.load = count;
     }
     let habit = |multiplier: f32| {
         let shedding = Shedding::default().with_multiplier(multiplier).with_grace(3);
@@ -217,7 +219,7 @@ fn shedding_follows_the_rule() {
         }
         let (mut tree, habit) = (tree.clone(), habit(multiplier));
         let plan = tree.plan(&Even, &habit, 1, season, 0);
-        let change = tree.carry_out(plan, &super::room::Room::default(), |_| true, &habit, season);
+        let change = tree.carry_out(plan, &Room::default(), |_| true, &habit, season);
         assert_sound(&tree);
         change.fallen.len()
     };
@@ -243,7 +245,8 @@ proptest! {
             let Some(tree) = tree.tree() else { break };
             assert_sound(tree);
             for node in &tree.nodes[1..] {
-                prop_assert!(node.count <= tree.nodes[node.parent as usize].count);
+                let parent = tree.nodes[node.parent as usize];
+                prop_assert!(node.count <= parent.count && node.load <= parent.load && node.load <= node.count);
             }
             tree.skeleton().unwrap().check().unwrap();
         }

@@ -26,8 +26,10 @@ pub(super) struct Node {
     pub(super) parent: u32,
     /// Main and lateral: a node, [`BUD`] or [`DEAD`].
     pub(super) children: [u32; 2],
-    /// The most buds, living or dead, that it ever carried.
+    /// The most buds, living or dead, that it ever carried: its width.
     pub(super) count: u32,
+    /// The same since it was last cut above: what it must pay for, lest it be shed.
+    pub(super) load: u32,
     /// Its number in the order of appearance, for random draws.
     pub(super) number: u32,
     /// The season in which it appeared.
@@ -54,6 +56,7 @@ pub struct Tree {
     pub(super) number: u32,
     /// Of the forest's habits.
     pub(super) habit: u32,
+    pub(super) generation: u16,
     pub(super) next_number: u32,
     pub(super) vigor: f32,
 }
@@ -88,10 +91,10 @@ pub(super) struct Change {
 }
 
 impl Tree {
-    pub(super) fn new(foot: Vec3, number: u32, habit: u32, season: u16) -> Self {
+    pub(super) fn new(foot: Vec3, number: u32, habit: u32, generation: u16, season: u16) -> Self {
         let children = [BUD, DEAD];
-        let foot = Node { position: foot, parent: 0, children, count: 1, number: 0, born: season };
-        Self { nodes: vec![foot], number, habit, next_number: 1, vigor: 0.0 }
+        let foot = Node { position: foot, parent: 0, children, count: 1, load: 1, number: 0, born: season };
+        Self { nodes: vec![foot], number, habit, generation, next_number: 1, vigor: 0.0 }
     }
 
     /// Its number, from 0 in the order of planting; no other tree of the forest ever has it.
@@ -102,6 +105,11 @@ impl Tree {
     /// Which of the forest's habits it has.
     pub fn habit(&self) -> usize {
         self.habit as usize
+    }
+
+    /// 0 if it was planted, one more than its parent's if it was sown.
+    pub fn generation(&self) -> u16 {
+        self.generation
     }
 
     /// Where it stands, metres.
@@ -261,10 +269,10 @@ impl Tree {
         let exponent = shedding.exponent / habit.width_exponent;
         let need = |count: u32| shedding.multiplier * math::powf(count as f32, exponent);
         // Most counts are small and come often.
-        let needs: Vec<f32> = (0..=self.nodes[0].count.min(255)).map(need).collect();
+        let needs: Vec<f32> = (0..=self.nodes[0].load.min(255)).map(need).collect();
         for (node, data) in self.nodes.iter().enumerate().skip(1) {
             if season - data.born >= shedding.grace {
-                let need = needs.get(data.count as usize).copied().unwrap_or_else(|| need(data.count));
+                let need = needs.get(data.load as usize).copied().unwrap_or_else(|| need(data.load));
                 if vigor[node] < need {
                     shed.push(node as u32);
                 }
@@ -319,7 +327,8 @@ impl Tree {
             self.nodes[node].children[side] = new as u32;
             let parent = node as u32;
             let number = self.next_number;
-            self.nodes.push(Node { position, parent, children: [BUD; 2], count: 2, number, born: season });
+            let children = [BUD; 2];
+            self.nodes.push(Node { position, parent, children, count: 2, load: 2, number, born: season });
             self.next_number += 1;
             appeared.push(position);
             (node, side) = (new, 0);
@@ -363,18 +372,30 @@ impl Tree {
     /// Step 5: the most buds each node ever carried.
     fn count(&mut self) {
         for node in (0..self.nodes.len()).rev() {
-            let of = |child: u32| if child < DEAD { self.nodes[child as usize].count } else { 1 };
-            let [main, lateral] = self.nodes[node].children;
-            let count = if node == 0 { of(main) } else { of(main).saturating_add(of(lateral)) };
-            self.nodes[node].count = self.nodes[node].count.max(count);
+            let load = self.nodes[node].load.max(self.load_above(node));
+            self.nodes[node].load = load;
+            self.nodes[node].count = self.nodes[node].count.max(load);
         }
+    }
+
+    fn load_above(&self, node: usize) -> u32 {
+        let of = |child: u32| if child < DEAD { self.nodes[child as usize].load } else { 1 };
+        let [main, lateral] = self.nodes[node].children;
+        if node == 0 { of(main) } else { of(main).saturating_add(of(lateral)) }
     }
 
     /// Cuts off the metamer below `node` and all above it; a bud takes its place. Returns what fell.
     pub(super) fn cut(&mut self, node: u32) -> Vec<Vec3> {
+        let mut below = self.nodes[node as usize].parent as usize;
         let mut fallen = Vec::new();
         self.fell(&[node], BUD, &mut fallen);
-        fallen
+        loop {
+            self.nodes[below].load = self.load_above(below);
+            if below == 0 {
+                return fallen;
+            }
+            below = self.nodes[below].parent as usize;
+        }
     }
 
     /// Whether it has given up: its trunk was shed, or it has not sprouted within the period of grace.
