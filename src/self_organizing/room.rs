@@ -34,6 +34,6 @@ impl Room {
     }
 
     pub(super) fn check(&self) -> Result<(), ParameterError> {
-        self.envelopes.iter().chain(&self.obstacles).try_for_each(|shape| shape.check())
+        self.envelopes.iter().chain(&self.obstacles).try_for_each(Shape::check)
     }
 }

@@ -117,7 +117,7 @@ impl ShadowPropagation {
         self
     }
 
-    /// Sets q_max, the height of a shadow in cells, at most 32; 6 by default.
+    /// Sets the greatest q, the height of a shadow in cells, at most 32; 6 by default.
     pub fn with_height(mut self, cells: u32) -> Self {
         self.options.height = cells;
         self.reset()
@@ -317,24 +317,21 @@ impl Grid {
 /// Adds `powers` to each row from column `start` on.
 fn add_to_rows(rows: &mut [u32], stride: usize, start: usize, powers: &[[u32; LANES]]) {
     // Fixed widths make straight code; up to 7 cells of height there are no others.
-    if let Ok(powers) = powers.try_into() {
-        add_to_rows_of::<1>(rows, stride, start, powers);
-    } else if let Ok(powers) = powers.try_into() {
-        add_to_rows_of::<2>(rows, stride, start, powers);
-    } else if let Ok(powers) = powers.try_into() {
-        add_to_rows_of::<3>(rows, stride, start, powers);
-    } else if let Ok(powers) = powers.try_into() {
-        add_to_rows_of::<4>(rows, stride, start, powers);
-    } else {
-        for (i, power) in powers.iter().enumerate() {
-            add_to_rows_of(rows, stride, start + i * LANES, std::array::from_ref(power));
+    match *powers {
+        [a] => add_to_rows_of(rows, stride, start, [a]),
+        [a, b] => add_to_rows_of(rows, stride, start, [a, b]),
+        [a, b, c] => add_to_rows_of(rows, stride, start, [a, b, c]),
+        [a, b, c, d] => add_to_rows_of(rows, stride, start, [a, b, c, d]),
+        _ => {
+            for (i, &power) in powers.iter().enumerate() {
+                add_to_rows_of(rows, stride, start + i * LANES, [power]);
+            }
         }
     }
 }
 
 #[inline]
-fn add_to_rows_of<const N: usize>(rows: &mut [u32], stride: usize, start: usize, powers: &[[u32; LANES]; N]) {
-    let powers = *powers;
+fn add_to_rows_of<const N: usize>(rows: &mut [u32], stride: usize, start: usize, powers: [[u32; LANES]; N]) {
     for row in rows.chunks_exact_mut(stride) {
         for (cells, powers) in row[start..start + N * LANES].as_chunks_mut::<LANES>().0.iter_mut().zip(powers)
         {

@@ -106,7 +106,7 @@ impl Supply {
         match model {
             VigorModel::BorchertHonda { apical_control } => self.share_by_forks(tree, apical_control, sprout),
             VigorModel::Priority { first, last, part } => {
-                self.share_by_axes(tree, [first, last, part], sprout)
+                self.share_by_axes(tree, [first, last, part], sprout);
             }
         }
     }

@@ -8,7 +8,7 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use treesynth::glam::Vec3;
 use treesynth::self_organizing::{
     Bud, Environment, Forest, GrowthError, Habit, Offspring, Phyllotaxis, SelfOrganizing, ShadowPropagation,
-    Shedding, SpaceColonization, VigorModel, Width,
+    Shedding, SpaceColonization, Tree, VigorModel, Width,
 };
 use treesynth::shape::{Cuboid, Sphere};
 use treesynth::{Progress, RadiusModel, Shape, Silent};
@@ -336,7 +336,7 @@ fn the_strong_outlive_the_weak() {
     let open = forest.plant(Vec3::new(1.6, 0.0, 1.6)).unwrap();
     forest.grow(8).unwrap();
     let metamers =
-        |number: u32| forest.trees().iter().find(|tree| tree.number() == number).map(|t| t.metamers());
+        |number: u32| forest.trees().iter().find(|tree| tree.number() == number).map(Tree::metamers);
     assert_eq!(metamers(shaded), None, "it has died");
     assert!(metamers(open).is_some_and(|metamers| metamers > 300));
 }
