@@ -16,14 +16,15 @@ const MOST_CELLS: f32 = 128.0;
 
 /// Marker points that buds perceive and nodes occupy: step 1 of the text, second method.
 ///
-/// A marker within the occupancy radius of a node is taken. Each free one goes to the nearest bud that perceives it, in
-/// a cone around the bud's direction up to the perception distance; among equally near buds to the first. A bud gets
-/// so much light for each of its markers, and its optimal direction is the mean of the unit vectors towards them.
+/// A marker within the occupancy radius of a node is taken. Each free one goes to the nearest bud that perceives
+/// it, in a cone around the bud's direction up to the perception distance; among equally near buds to the first.
+/// A bud gets so much light for each of its markers, and its optimal direction is the mean of the unit vectors
+/// towards them.
 ///
 /// A marker is free again once the nodes that took it have fallen, so that a cut branch can grow again.
 ///
-/// Time: O(markers near a bud) for each bud and season. Memory: 24 bytes a marker. Markers are found through a grid of cells as wide as the larger
-/// radius.
+/// Time: O(markers near a bud) for each bud and season. Memory: 24 bytes a marker. Markers are found through a
+/// grid of cells as wide as the larger radius.
 ///
 /// ```
 /// use treesynth::glam::Vec3;
@@ -73,9 +74,9 @@ struct Grid {
 }
 
 impl SpaceColonization {
-    /// Markers that the user brings, metres: at most 2²⁶, finite. Occupancy radius 0.04 m, perception up to 0.12 m
-    /// within 45° of the bud's direction, light 0.25 a marker: two and six metamers of the default habit, in the ranges
-    /// of Pałubicki et al. 2009.
+    /// Markers that the user brings, metres: at most 2²⁶, finite. Occupancy radius 0.04 m, perception up to 0.12
+    /// m within 45° of the bud's direction, light 0.25 a marker: two and six metamers of the default habit, in
+    /// the ranges of Pałubicki et al. 2009.
     pub fn new(markers: Vec<Vec3>) -> Self {
         let angle = std::f32::consts::FRAC_PI_4;
         Self::of(Options { markers, occupancy: 0.04, distance: 0.12, angle, light: 0.25 })

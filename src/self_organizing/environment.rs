@@ -10,14 +10,14 @@ use glam::Vec3;
 /// All trees of a [`Forest`](super::Forest) share one environment; that is how they compete.
 ///
 /// # Contract
-/// - [`update`](Self::update) is told of every node that appears and of every one that falls, each once, in any order.
-///   What the environment answers depends on its own options and on the nodes that stand, not on how they came to
-///   stand. If not, a forest that is read back from a file goes on differently, because it is told of all standing
-///   nodes at once, and regrowth after a cut sees ghosts.
+/// - [`update`](Self::update) is told of every node that appears and of every one that falls, each once, in any
+///   order. What the environment answers depends on its own options and on the nodes that stand, not on how they
+///   came to stand. If not, a forest that is read back from a file goes on differently, because it is told of all
+///   standing nodes at once, and regrowth after a cut sees ghosts.
 /// - [`light`](Self::light) is finite and at least zero. NaN and negative numbers count as zero; where sums
 ///   of light leave the range of `f32`, nothing grows.
-/// - [`direction`](Self::direction) is a unit vector, or zero where none is better. Nothing breaks if it is longer, but
-///   then it weighs more than the habit says.
+/// - [`direction`](Self::direction) is a unit vector, or zero where none is better. Nothing breaks if it is
+///   longer, but then it weighs more than the habit says.
 /// - Both are asked from several threads, and must not depend on the order. If they do, equal seeds no longer give
 ///   equal trees.
 ///
@@ -27,7 +27,10 @@ use glam::Vec3;
 /// use treesynth::self_organizing::{Bud, Environment, Habit, SelfOrganizing};
 ///
 /// /// A lamp: light falls with the square of the distance.
-/// struct Lamp { position: Vec3, brightness: f32 }
+/// struct Lamp {
+///     position: Vec3,
+///     brightness: f32,
+/// }
 ///
 /// impl Environment for Lamp {
 ///     fn light(&self, bud: &Bud<'_>) -> f32 {
@@ -39,8 +42,8 @@ use glam::Vec3;
 ///     }
 /// }
 ///
-/// let lamp = Lamp { position: Vec3::new(1.0, 1.0, 0.0), brightness: 2.0 };
-/// let mut tree = SelfOrganizing::new(lamp, Habit::default(), 7);
+/// let lamp = Lamp { position: Vec3::new(1.0, 1.0, 0.0), brightness: 4.0 };
+/// let mut tree = SelfOrganizing::new(lamp, Habit::default().with_optimal_weight(0.4), 7);
 /// tree.grow(6)?;
 /// let leaning: f32 = tree.skeleton()?.positions().iter().map(|p| p.x).sum();
 /// assert!(leaning > 0.0);
@@ -58,8 +61,8 @@ pub trait Environment: Send + Sync {
         let _ = (appeared, fallen);
     }
 
-    /// Whether [`prepare`](Self::prepare) wants to see all buds at the start of each season. The default does not, which
-    /// saves listing them.
+    /// Whether [`prepare`](Self::prepare) wants to see all buds at the start of each season. The default does
+    /// not, which saves listing them.
     fn surveys(&self) -> bool {
         false
     }

@@ -70,8 +70,8 @@ pub enum GrowthError {
     /// An option is out of its range.
     #[error(transparent)]
     Parameter(#[from] ParameterError),
-    /// The next turn of the season would have led beyond the limit of metamers. All that has grown until then is kept;
-    /// with a higher limit, growth goes on from there.
+    /// The next turn of the season would have led beyond the limit of metamers. All that has grown until then is
+    /// kept; with a higher limit, growth goes on from there.
     #[error(
         "season {season} would bring the forest to {metamers} metamers, but the limit is {limit}; what has grown until \
          then is kept"
@@ -339,9 +339,9 @@ impl<E: Environment> Forest<E> {
         change
     }
 
-    /// Cuts a branch off: the metamer below `node` of the tree of this number, and all above it. A bud takes its place,
-    /// and the branch may grow again. What is left keeps its width, but shedding asks of it the vigor for what it still
-    /// carries.
+    /// Cuts a branch off: the metamer below `node` of the tree of this number, and all above it. A bud takes its
+    /// place, and the branch may grow again. What is left keeps its width, but shedding asks of it the vigor for
+    /// what it still carries.
     ///
     /// # Errors
     /// No tree of this number; no such node, or the foot.

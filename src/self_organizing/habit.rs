@@ -44,16 +44,16 @@ pub struct Habit {
 pub enum Phyllotaxis {
     /// Anywhere within the lateral angle of the metamer's direction, each direction as likely: the original's.
     Scattered,
-    /// At the lateral angle, each bud so many radians further around the axis than the one before: π for leaves in two
-    /// rows, 2.4 (137.5°) for the golden angle.
+    /// At the lateral angle, each bud so many radians further around the axis than the one before: π for leaves
+    /// in two rows, 2.4 (137.5°) for the golden angle.
     Spiral {
         /// The angle from one bud to the next, radians, finite.
         divergence: f32,
     },
 }
 
-/// When a tree gives up a branch: once its vigor falls below `multiplier · (child count^(1/n))^exponent`, the branch's
-/// width being the measure of what it costs, and it is older than a period of grace.
+/// When a tree gives up a branch: once its vigor falls below `multiplier · (child count^(1/n))^exponent`, the
+/// branch's width being the measure of what it costs, and it is older than a period of grace.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
 pub struct Shedding {
@@ -126,8 +126,8 @@ impl Habit {
         self
     }
 
-    /// Sets the length of a metamer, metres, in [1e-6, 1e3]; 0.02 by default. A shoot of vigor v has floor(v) metamers
-    /// of length · v / floor(v).
+    /// Sets the length of a metamer, metres, in [1e-6, 1e3]; 0.02 by default. A shoot of vigor v has floor(v)
+    /// metamers of length · v / floor(v).
     pub fn with_length(mut self, metres: f32) -> Self {
         self.length = metres;
         self

@@ -6,8 +6,8 @@ use crate::math;
 use crate::random::{Purpose, unit};
 use glam::Vec3;
 
-/// How a tree sows itself (step 6 of the text): number and distance of its seeds grow with the logarithm of the root's
-/// vigor.
+/// How a tree sows itself (step 6 of the text): number and distance of its seeds grow with the logarithm of the
+/// root's vigor.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
 pub struct Offspring {

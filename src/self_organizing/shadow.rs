@@ -12,7 +12,7 @@ const STEPS: f32 = (1 << 14) as f32;
 /// Cells in z that one task fills; a pyramid then lies on few pages of memory.
 const SLAB: usize = 16;
 /// The most cells of a grid.
-const MOST_CELLS: u64 = 1 << 31;
+const MOST_CELLS: u64 = 1 << 29;
 /// Cells are added to in groups of so many, which processors do at once.
 const LANES: usize = 4;
 
@@ -23,12 +23,12 @@ const LANES: usize = 4;
 /// `max(C - s + a, 0)`, where C is the full exposure and a its own shadow. The optimal direction is against the
 /// gradient of s, by central differences; up where that is zero.
 ///
-/// The powers are rounded to whole parts of `a / 2^14`, so that sums are exact whatever their order: the grid after any
-/// growth, shedding and cutting is to the bit the one of the nodes that stand. Sums are exact below 262,144 full shadows
-/// on one cell.
+/// The powers are rounded to whole parts of `a / 2^14`, so that sums are exact whatever their order: the grid
+/// after any growth, shedding and cutting is to the bit the one of the nodes that stand. Sums are exact below
+/// 262,144 full shadows on one cell.
 ///
-/// Time: one pyramid, 455 cells by default, for every node that appears or falls; a cell a bud; six for one that grows.
-/// Memory: 4 bytes a cell, up to the height where nodes are.
+/// Time: one pyramid, 455 cells by default, for every node that appears or falls; a cell a bud; six for one that
+/// grows. Memory: 4 bytes a cell, up to the height where nodes are.
 ///
 /// ```
 /// use treesynth::glam::Vec3;
@@ -90,7 +90,7 @@ impl Default for ShadowPropagation {
 }
 
 impl ShadowPropagation {
-    /// Light in `bounds`, metres, in which all nodes must lie; at most 65,535 cells on an axis and 2³¹ in all.
+    /// Light in `bounds`, metres, in which all nodes must lie; at most 65,000 cells on an axis and 2²⁹ in all.
     pub fn new(bounds: Bounds) -> Self {
         let options = Options {
             min: bounds.min,
@@ -209,7 +209,7 @@ impl Environment for ShadowPropagation {
             holds,
             "ShadowPropagation.bounds",
             bounds,
-            "within a million metres, 1 to 65000 cells on each axis, at most 2^31 cells",
+            "within a million metres, 1 to 65000 cells on each axis, at most 2^29 cells",
         )?;
         within("ShadowPropagation.full_exposure", full_exposure, 0.0, 1e6)?;
         ParameterError::unless(height <= 32, "ShadowPropagation.height", height, "at most 32 cells")?;

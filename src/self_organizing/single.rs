@@ -109,8 +109,8 @@ impl<E: Environment> SelfOrganizing<E> {
         self.forest.trees().first()
     }
 
-    /// The tree as a skeleton with the radii of [`Width`](super::Width), its stages the seasons in which nodes appeared;
-    /// a root alone if there is no tree.
+    /// The tree as a skeleton with the radii of [`Width`](super::Width), its stages the seasons in which nodes
+    /// appeared; a root alone if there is no tree.
     ///
     /// # Errors
     /// Radii beyond `f32`.

@@ -151,8 +151,8 @@ fn borchert_honda_by_hand() {
 #[test]
 fn priority_by_hand() {
     let tree = by_hand();
-    // The axis 0, 1, 2, 4 feeds its terminal bud (light 1, weight 4), and then by mean light per bud, all 1, from below:
-    // 3 (light 3), 5 (light 2) and the lateral bud of 4 (light 1), each of weight 1.
+    // The axis 0, 1, 2, 4 feeds its terminal bud (light 1, weight 4), and then by mean light per bud, all 1, from
+    // below: 3 (light 3), 5 (light 2) and the lateral bud of 4 (light 1), each of weight 1.
     let supply = shared(&tree, VigorModel::Priority { first: 4.0, last: 1.0, part: 0.0 }, 20.0);
     assert!((supply.vigor[3] - 6.0).abs() < 1e-5, "{:?}", supply.vigor);
     assert!((supply.vigor[5] - 4.0).abs() < 1e-5);

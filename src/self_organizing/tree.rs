@@ -137,7 +137,8 @@ impl Tree {
         self.nodes.iter().map(|node| node.position)
     }
 
-    /// The most buds, living or dead, that each node ever carried: 2 for a fresh metamer. Widths and leaves depend on it.
+    /// The most buds, living or dead, that each node ever carried: 2 for a fresh metamer. Widths and leaves
+    /// depend on it.
     pub fn child_counts(&self) -> impl ExactSizeIterator<Item = u32> + '_ {
         self.nodes.iter().map(|node| node.count)
     }
