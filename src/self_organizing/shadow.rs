@@ -11,6 +11,8 @@ use glam::{IVec3, Vec3};
 const STEPS: f32 = (1 << 14) as f32;
 /// Cells in z that one task fills; a pyramid then lies on few pages of memory.
 const SLAB: usize = 16;
+/// So many nodes are given their cells at once.
+const PART: usize = 1024;
 /// The most cells of a grid.
 const MOST_CELLS: u64 = 1 << 29;
 /// Cells are added to in groups of so many, which processors do at once.
@@ -184,10 +186,14 @@ impl Environment for ShadowPropagation {
         if self.grid.slabs.is_empty() {
             self.grid = Grid::new(&self.options);
         }
-        let cells = |points: &[Vec3], falls: bool| -> Vec<Caster> {
-            points.iter().filter_map(|&point| Some(Caster::new(self.cell(point)?, falls))).collect()
+        let casters = |points: &[Vec3], falls: bool| {
+            let of = |part: &[Vec3]| -> Vec<Caster> {
+                part.iter().filter_map(|&point| Some(Caster::new(self.cell(point)?, falls))).collect()
+            };
+            let parts: Vec<&[Vec3]> = points.chunks(PART).collect();
+            parallel::map(parts.len(), |part| of(parts[part])).concat()
         };
-        let casters = [cells(appeared, false), cells(fallen, true)].concat();
+        let casters = [casters(appeared, false), casters(fallen, true)].concat();
         self.grid.cast(&casters);
     }
 
