@@ -28,6 +28,9 @@ pub(super) const TURNS: u32 = 4;
 /// neighbours do not all grow into the same gap, and the number of threads does not matter. Every random draw is
 /// keyed by (seed, tree, node).
 ///
+/// With serde a forest is written with its environment's options and all trees, and goes on bit for bit when read
+/// back; what could not have grown is refused. Envelopes and obstacles are not written: add them again.
+///
 /// Memory: 40 bytes a metamer, on the way about 16 more for those of the trees being worked on. Time: O(n) a season
 /// for n metamers, and what the environment takes.
 ///

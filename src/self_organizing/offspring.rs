@@ -66,7 +66,7 @@ impl Offspring {
 
     /// How far the seeds of a tree of this vigor reach, metres.
     pub fn reach(&self, vigor: f32) -> f32 {
-        self.distance * math::ln(vigor.max(1.0))
+        self.distance * math::ln(vigor.clamp(1.0, f32::MAX))
     }
 
     /// Where the seeds fall of a tree at `foot` that is so many seasons old.
@@ -78,7 +78,7 @@ impl Offspring {
             return Vec::new();
         }
         let draw = |index: u64| unit(seed, tree, Purpose::SEEDS, (u64::from(age) << 32) | index);
-        let count = (self.seeds * math::ln(vigor) + draw(0)) as u64;
+        let count = (self.seeds * math::ln(vigor.min(f32::MAX)) + draw(0)) as u64;
         let reach = self.reach(vigor);
         (0..count)
             .map(|i| {

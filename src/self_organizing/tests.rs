@@ -252,3 +252,11 @@ proptest! {
         }
     }
 }
+
+#[test]
+fn seeds_are_counted_even_of_endless_vigor() {
+    let offspring = Offspring::default().with_maturity(0).with_seeds(1000.0);
+    let seeds = offspring.sow(Vec3::ZERO, f32::INFINITY, 4, 1, 0);
+    assert!((88_000..90_000).contains(&seeds.len()), "{}", seeds.len());
+    assert!(seeds.iter().all(|seed| seed.is_finite()));
+}

@@ -293,8 +293,8 @@ impl Tree {
         self.vigor = plan.vigor;
         let mut change = Change::default();
         let places = self.fell(&plan.shed, DEAD, &mut change.fallen);
-        // A tree takes no more memory than it needs; the limits have been checked.
-        self.nodes.reserve_exact(plan.metamers as usize);
+        // A tree takes no more memory than it needs, and no more than it has where there may not be room for it all.
+        self.nodes.reserve_exact((plan.metamers as usize).min(self.nodes.len() + 1024));
         for mut shoot in plan.shoots {
             if let Some(places) = &places {
                 shoot.node = places[shoot.node as usize];
