@@ -10,10 +10,11 @@
 //!
 //! # The way through
 //!
-//! [`shape`] and [`field`] say where a tree may grow and what pulls on it; [`guided`] grows it; a [`Skeleton`] is
-//! what comes out; [`radius`] makes it thick, [`metrics`] measures it, [`surface`] makes triangles of it, [`foliage`]
-//! puts leaves on it, [`export`] writes files, and [`preview`](https://docs.rs/treesynth/latest/treesynth/preview/) draws pictures. [`presets`] has
-//! the trees of the paper's figures, ready made.
+//! [`shape`] and [`field`] say where a tree may grow and what pulls on it; [`guided`] and [`self_organizing`] grow it;
+//! a [`Skeleton`] is what comes out; [`radius`] makes it thick, [`metrics`] measures it, [`surface`] makes triangles of
+//! it, [`foliage`] puts leaves on it, [`export`] writes files, and
+//! [`preview`](https://docs.rs/treesynth/latest/treesynth/preview/) draws pictures. [`presets`] has the trees of the
+//! paper's figures, and stands that organize themselves, ready made.
 //!
 //! ```
 //! use treesynth::{Metrics, presets, surface::Tubes};
@@ -35,8 +36,8 @@
 //!
 //! | feature | adds |
 //! |---|---|
-//! | `parallel` | graphs are built on rayon's threads; same bits |
-//! | `serde` | skeletons and metrics with serde |
+//! | `parallel` | graphs are built and forests grow on rayon's threads; same bits |
+//! | `serde` | skeletons, metrics and forests with serde |
 //! | `json` | skeletons as JSON text, `export::json`; implies `serde` |
 //! | `mint` | `From` and `Into` between [`glam`]'s vectors and `mint`'s, for users on another glam version |
 //! | `preview` | shaded PNG pictures without a GPU, `preview` |
@@ -57,6 +58,7 @@ pub mod presets;
 pub mod preview;
 pub mod radius;
 pub mod random;
+pub mod self_organizing;
 pub mod shape;
 pub mod skeleton;
 pub mod surface;
@@ -73,6 +75,7 @@ pub use observer::{Observer, Progress, Silent, Work};
 pub use parameter::ParameterError;
 pub use radius::{RadiusError, RadiusModel};
 pub use rand;
+pub use self_organizing::{Forest, SelfOrganizing};
 pub use shape::{Bounds, Shape};
 pub use skeleton::{Skeleton, SkeletonError};
 

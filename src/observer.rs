@@ -53,6 +53,13 @@ pub enum Work {
         /// The number of stages.
         of: usize,
     },
+    /// A season of a forest.
+    Season {
+        /// The season, from 0, of those that were asked for.
+        index: u32,
+        /// The number of seasons asked for.
+        of: u32,
+    },
     /// The radii are being worked out.
     Radii,
 }

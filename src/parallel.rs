@@ -4,6 +4,9 @@
 #[cfg(feature = "parallel")]
 pub(crate) fn map<T: Send>(count: usize, f: impl Fn(usize) -> T + Sync + Send) -> Vec<T> {
     use rayon::iter::{IntoParallelIterator, ParallelIterator};
+    if !is_worth_it(count) {
+        return (0..count).map(f).collect();
+    }
     (0..count).into_par_iter().map(f).collect()
 }
 
@@ -11,4 +14,29 @@ pub(crate) fn map<T: Send>(count: usize, f: impl Fn(usize) -> T + Sync + Send) -
 #[cfg(not(feature = "parallel"))]
 pub(crate) fn map<T>(count: usize, f: impl Fn(usize) -> T) -> Vec<T> {
     (0..count).map(f).collect()
+}
+
+/// `f(i, item i)` for each item; the results in that order whatever the threads did.
+#[cfg(feature = "parallel")]
+pub(crate) fn each_mut<I: Send, T: Send>(
+    items: &mut [I],
+    f: impl Fn(usize, &mut I) -> T + Sync + Send,
+) -> Vec<T> {
+    use rayon::iter::{IndexedParallelIterator, IntoParallelRefMutIterator, ParallelIterator};
+    if !is_worth_it(items.len()) {
+        return items.iter_mut().enumerate().map(|(i, item)| f(i, item)).collect();
+    }
+    items.par_iter_mut().enumerate().map(|(i, item)| f(i, item)).collect()
+}
+
+/// `f(i, item i)` for each item.
+#[cfg(not(feature = "parallel"))]
+pub(crate) fn each_mut<I, T>(items: &mut [I], f: impl Fn(usize, &mut I) -> T) -> Vec<T> {
+    items.iter_mut().enumerate().map(|(i, item)| f(i, item)).collect()
+}
+
+/// Handing work to the pool costs some ten microseconds.
+#[cfg(feature = "parallel")]
+fn is_worth_it(tasks: usize) -> bool {
+    tasks > 1 && rayon::current_num_threads() > 1
 }

@@ -23,6 +23,12 @@ impl Purpose {
     pub const JITTER: Self = Self(4);
     /// Random weights of edges when distances stand in for hops.
     pub const EDGE_WEIGHT: Self = Self(5);
+    /// Directions of lateral buds.
+    pub const LATERAL: Self = Self(6);
+    /// Seeds of trees: their number and where they fall.
+    pub const SEEDS: Self = Self(7);
+    /// Where the marker points of space colonization lie.
+    pub const MARKERS: Self = Self(8);
     /// What distinguishes a leaf from its neighbours, and which leaves fall.
     pub const LEAVES: Self = Self(16);
     /// The first purpose that the crate itself never uses.

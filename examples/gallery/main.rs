@@ -3,6 +3,7 @@
 //!     cargo run --release --example gallery -- [--nodes N] [--out DIR] [--size PIXELS] [--only TEXT]
 
 mod plane;
+mod stands;
 
 use base64::Engine;
 use lexopt::prelude::{Long, ValueExt};
@@ -64,6 +65,17 @@ fn main() -> Result<(), Failure> {
         let columns = if pictures.len() > 5 { pictures.len().div_ceil(2) } else { pictures.len() };
         let sheet = Picture::sheet(pictures, columns as u32, 6, [255, 255, 255])?;
         write(&options.out.join(format!("sheet-{figure:02}.png")), &sheet)?;
+    }
+    let mut pictures = Vec::new();
+    for stand in presets::stands().filter(|stand| stand.name.contains(&options.only)) {
+        let picture = stands::draw(stand, options.size)?;
+        write(&options.out.join(format!("{}.png", stand.name)), &picture)?;
+        println!("{}: {}", stand.name, stand.caption);
+        pictures.push(picture);
+    }
+    if !pictures.is_empty() {
+        let sheet = Picture::sheet(&pictures, 5, 6, [255, 255, 255])?;
+        write(&options.out.join("sheet-stands.png"), &sheet)?;
     }
     Ok(())
 }

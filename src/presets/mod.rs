@@ -18,12 +18,14 @@ mod comparison;
 mod fine;
 mod graded;
 mod look;
+mod organized;
 mod plane;
 mod rotation;
 mod variety;
 mod volume;
 
 pub use look::Season;
+pub use organized::{Stand, WALL, stand_by_name, stands};
 
 use crate::foliage::Foliage;
 use crate::guided::{Bend, Count, HopSurface, InShape, NearestTo, PoissonYao, Stage, TreeSynth};

@@ -335,6 +335,22 @@ mod tests {
     }
 
     #[test]
+    fn an_animation_reads_back() {
+        let frames = [white(5, 4), Picture::new(5, 4, BLACK).expect("a sound size")];
+        let mut bytes = Vec::new();
+        Picture::write_animation(&frames, 250, &mut bytes).expect("a vector takes everything");
+        let mut reader = png::Decoder::new(io::Cursor::new(bytes)).read_info().expect("a PNG");
+        assert_eq!(reader.info().animation_control().map(|control| control.num_frames), Some(2));
+        let mut pixels = vec![0; reader.output_buffer_size().expect("small")];
+        for frame in &frames {
+            reader.next_frame(&mut pixels).expect("a frame");
+            assert_eq!(pixels, frame.pixels().as_flattened());
+        }
+        assert!(Picture::write_animation(&[], 1, io::sink()).is_err());
+        assert!(Picture::write_animation(&[white(1, 2), white(2, 1)], 1, io::sink()).is_err());
+    }
+
+    #[test]
     fn a_full_disk_is_reported() {
         let mut room = [0u8; 40];
         assert!(matches!(white(50, 50).write_png(&mut room[..]), Err(PreviewError::Io(_))));

@@ -9,7 +9,7 @@ const LAYERS: &[&[&str]] = &[
     &["shape", "field"],
     &["skeleton"],
     &["radius", "metrics"],
-    &["guided"],
+    &["guided", "self_organizing"],
     &["surface"],
     &["foliage"],
     &["export", "preview"],

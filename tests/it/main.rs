@@ -14,6 +14,7 @@ mod layers;
 #[cfg(feature = "mint")]
 mod mint_vectors;
 mod oracles;
+mod organizing;
 mod outside;
 #[cfg(feature = "testing")]
 mod refinement;

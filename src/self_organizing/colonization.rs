@@ -1,0 +1,344 @@
+//! Space colonization: buds compete for marker points.
+
+use super::environment::{Bud, Environment};
+use super::habit::within;
+use super::tree::Site;
+use crate::ParameterError;
+use crate::math;
+use crate::random::{Purpose, stream};
+use crate::shape::{Bounds, LARGEST, Shape};
+use glam::{IVec3, Vec3};
+
+/// The most markers.
+const MOST_MARKERS: usize = 1 << 26;
+/// The most cells along an axis of the grid over the markers.
+const MOST_CELLS: f32 = 128.0;
+
+/// Marker points that buds perceive and nodes occupy: step 1 of the text, second method.
+///
+/// A marker within the occupancy radius of a node is taken. Each free one goes to the nearest bud that perceives
+/// it, in a cone around the bud's direction up to the perception distance; among equally near buds to the first.
+/// A bud gets so much light for each of its markers, and its optimal direction is the mean of the unit vectors
+/// towards them.
+///
+/// A marker is free again once the nodes that took it have fallen, so that a cut branch can grow again.
+///
+/// Time: O(markers near a bud) for each bud and season. Memory: 24 bytes a marker. Markers are found through a
+/// grid of cells as wide as the larger radius.
+///
+/// ```
+/// use treesynth::glam::Vec3;
+/// use treesynth::self_organizing::{Habit, SelfOrganizing, SpaceColonization};
+/// use treesynth::shape::Ellipsoid;
+///
+/// let crown = Ellipsoid::new(Vec3::Y * 0.6, Vec3::new(0.3, 0.6, 0.3));
+/// let space = SpaceColonization::in_shape(&crown, 5000, 1)?;
+/// let mut tree = SelfOrganizing::new(space, Habit::default().with_optimal_weight(0.5), 1);
+/// tree.grow(15)?;
+/// assert!(tree.metamers() > 100);
+/// assert!(tree.environment().free() < 5000);
+/// # Ok::<(), treesynth::self_organizing::GrowthError>(())
+/// ```
+#[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(from = "Options", into = "Options"))]
+pub struct SpaceColonization {
+    options: Options,
+    grid: Grid,
+    /// How many nodes take each marker.
+    takers: Vec<u32>,
+    /// What each surveyed bud gets: markers, and the sum of the directions towards them.
+    gains: Vec<(u32, Vec3)>,
+}
+
+/// What the user sets.
+#[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
+struct Options {
+    markers: Vec<Vec3>,
+    occupancy: f32,
+    distance: f32,
+    angle: f32,
+    light: f32,
+}
+
+/// Markers by cell.
+#[derive(Debug, Clone, PartialEq, Default)]
+struct Grid {
+    min: Vec3,
+    cell: f32,
+    size: IVec3,
+    /// Where each cell's markers begin among `members`, and the end.
+    starts: Vec<u32>,
+    members: Vec<u32>,
+}
+
+impl SpaceColonization {
+    /// Markers that the user brings, metres: at most 2²⁶, finite. Occupancy radius 0.04 m, perception up to 0.12
+    /// m within 45° of the bud's direction, light 0.25 a marker: two and six metamers of the default habit, in
+    /// the ranges of Pałubicki et al. 2009.
+    pub fn new(markers: Vec<Vec3>) -> Self {
+        let angle = std::f32::consts::FRAC_PI_4;
+        Self::of(Options { markers, occupancy: 0.04, distance: 0.12, angle, light: 0.25 })
+    }
+
+    /// So many markers, drawn in `shape` where all parts are equally likely.
+    ///
+    /// # Errors
+    /// Options of the shape out of range; too many markers; a shape that is empty or so thin that no point is found.
+    pub fn in_shape(shape: &dyn Shape, markers: usize, seed: u64) -> Result<Self, ParameterError> {
+        shape.check()?;
+        check_count(markers)?;
+        let mut random = stream(seed, 0, Purpose::MARKERS, 0);
+        let points: Option<Vec<Vec3>> = (0..markers).map(|_| shape.sample(&mut random)).collect();
+        let bounds = shape.bounds();
+        let range = "a shape in which points are found";
+        points.map(Self::new).ok_or_else(|| ParameterError::new("shape", format_args!("{bounds:?}"), range))
+    }
+
+    fn of(options: Options) -> Self {
+        let takers = vec![0; options.markers.len()];
+        Self { options, grid: Grid::default(), takers, gains: Vec::new() }
+    }
+
+    /// Sets the radius around each node in which markers are taken, metres, in [0, 1e3]; 0.04 by default.
+    pub fn with_occupancy(mut self, metres: f32) -> Self {
+        self.options.occupancy = metres;
+        Self::of(self.options)
+    }
+
+    /// Sets how far a bud perceives markers, metres, in [0, 1e3], and how far from its direction, radians, in [0, π];
+    /// 0.12 m and 45° by default.
+    pub fn with_perception(mut self, metres: f32, radians: f32) -> Self {
+        (self.options.distance, self.options.angle) = (metres, radians);
+        Self::of(self.options)
+    }
+
+    /// Sets the light a marker is worth, in [0, 1e3]; 0.25 by default.
+    pub fn with_light(mut self, light: f32) -> Self {
+        self.options.light = light;
+        self
+    }
+
+    /// The markers, metres.
+    pub fn markers(&self) -> &[Vec3] {
+        &self.options.markers
+    }
+
+    /// How many markers are free.
+    pub fn free(&self) -> usize {
+        self.takers.iter().filter(|&&takers| takers == 0).count()
+    }
+
+    fn gain(&self, bud: &Bud<'_>) -> (u32, Vec3) {
+        self.gains.get(bud.index()).copied().unwrap_or_default()
+    }
+
+    fn build_grid(&mut self) {
+        if self.grid.starts.is_empty() {
+            self.grid = Grid::new(&self.options.markers, self.options.occupancy.max(self.options.distance));
+        }
+    }
+}
+
+impl Environment for SpaceColonization {
+    fn light(&self, bud: &Bud<'_>) -> f32 {
+        self.gain(bud).0 as f32 * self.options.light
+    }
+
+    fn direction(&self, bud: &Bud<'_>) -> Vec3 {
+        self.gain(bud).1.normalize_or_zero()
+    }
+
+    fn surveys(&self) -> bool {
+        true
+    }
+
+    fn prepare(&mut self, buds: &[Site]) {
+        self.build_grid();
+        let Options { markers, distance, angle, .. } = &self.options;
+        let cos = math::cos(*angle);
+        // The square of the distance to the nearest bud that perceives each marker, and that bud.
+        let mut nearest = vec![(f32::INFINITY, 0u32); markers.len()];
+        for (index, bud) in buds.iter().enumerate() {
+            self.grid.near(bud.position, *distance, markers, |marker, away| {
+                let squared = away.length_squared();
+                let perceived = away.dot(bud.direction) >= cos * squared.sqrt();
+                if self.takers[marker] == 0 && perceived && squared < nearest[marker].0 {
+                    nearest[marker] = (squared, index as u32);
+                }
+            });
+        }
+        self.gains.clear();
+        self.gains.resize(buds.len(), (0, Vec3::ZERO));
+        for (&marker, &(squared, bud)) in markers.iter().zip(&nearest) {
+            if squared < f32::INFINITY {
+                let gain = &mut self.gains[bud as usize];
+                gain.0 += 1;
+                gain.1 += (marker - buds[bud as usize].position).normalize_or_zero();
+            }
+        }
+    }
+
+    fn update(&mut self, appeared: &[Vec3], fallen: &[Vec3]) {
+        self.build_grid();
+        let Options { markers, occupancy, .. } = &self.options;
+        for &node in appeared {
+            self.grid.near(node, *occupancy, markers, |marker, _| self.takers[marker] += 1);
+        }
+        for &node in fallen {
+            self.grid.near(node, *occupancy, markers, |marker, _| self.takers[marker] -= 1);
+        }
+    }
+
+    fn check(&self) -> Result<(), ParameterError> {
+        let Options { markers, occupancy, distance, angle, light } = &self.options;
+        check_count(markers.len())?;
+        let far = |marker: &&Vec3| !marker.abs().cmple(Vec3::splat(LARGEST)).all();
+        if let Some(marker) = markers.iter().find(far) {
+            let range = "within a million metres";
+            return Err(ParameterError::new("SpaceColonization.markers", format_args!("{marker:?}"), range));
+        }
+        within("SpaceColonization.occupancy", *occupancy, 0.0, 1e3)?;
+        within("SpaceColonization.distance", *distance, 0.0, 1e3)?;
+        within("SpaceColonization.angle", *angle, 0.0, std::f32::consts::PI)?;
+        within("SpaceColonization.light", *light, 0.0, 1e3)
+    }
+}
+
+fn check_count(markers: usize) -> Result<(), ParameterError> {
+    let range = "1 to 67108864 markers";
+    ParameterError::unless((1..=MOST_MARKERS).contains(&markers), "SpaceColonization.markers", markers, range)
+}
+
+impl Grid {
+    /// `radius` metres is the farthest that [`near`](Self::near) will look.
+    fn new(markers: &[Vec3], radius: f32) -> Self {
+        let bounds = Bounds::of(markers.iter().copied());
+        let cell = radius.max(bounds.size().max_element() / MOST_CELLS).max(1e-6);
+        let size = (bounds.size() / cell).as_ivec3() + 1;
+        let mut grid = Self { min: bounds.min, cell, size, starts: Vec::new(), members: Vec::new() };
+        let mut cells: Vec<(u32, u32)> = markers
+            .iter()
+            .enumerate()
+            .map(|(i, &marker)| (grid.number(grid.place(marker)), i as u32))
+            .collect();
+        cells.sort_unstable();
+        let count = grid.number(size - 1) + 1;
+        grid.starts = (0..=count).map(|cell| cells.partition_point(|entry| entry.0 < cell) as u32).collect();
+        grid.members = cells.into_iter().map(|entry| entry.1).collect();
+        grid
+    }
+
+    fn place(&self, point: Vec3) -> IVec3 {
+        ((point - self.min) / self.cell).floor().as_ivec3()
+    }
+
+    fn number(&self, place: IVec3) -> u32 {
+        ((place.z * self.size.y + place.y) * self.size.x + place.x) as u32
+    }
+
+    /// Calls `found` with each marker at most `radius` from `point`, and the way to it.
+    fn near(&self, point: Vec3, radius: f32, markers: &[Vec3], mut found: impl FnMut(usize, Vec3)) {
+        let low = self.place(point - radius).max(IVec3::ZERO);
+        let high = self.place(point + radius).min(self.size - 1);
+        for z in low.z..=high.z {
+            for y in low.y..=high.y {
+                for x in low.x..=high.x {
+                    let cell = self.number(IVec3::new(x, y, z)) as usize;
+                    for &marker in &self.members[self.starts[cell] as usize..self.starts[cell + 1] as usize] {
+                        let away = markers[marker as usize] - point;
+                        if away.length_squared() <= radius * radius {
+                            found(marker as usize, away);
+                        }
+                    }
+                }
+            }
+        }
+    }
+}
+
+#[cfg(feature = "serde")]
+impl From<SpaceColonization> for Options {
+    fn from(space: SpaceColonization) -> Self {
+        space.options
+    }
+}
+
+#[cfg(feature = "serde")]
+impl From<Options> for SpaceColonization {
+    fn from(options: Options) -> Self {
+        Self::of(options)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    fn point() -> impl Strategy<Value = Vec3> {
+        prop::array::uniform3(-1.0f32..1.0).prop_map(Vec3::from_array)
+    }
+
+    proptest! {
+        #[test]
+        fn the_grid_finds_what_a_search_through_all_finds(
+            markers in prop::collection::vec(point(), 1..300), at in point(), scale in 0.0f32..3.0, radius in 0.0f32..1.0,
+        ) {
+            let markers: Vec<Vec3> = markers.into_iter().map(|marker| marker * scale).collect();
+            let grid = Grid::new(&markers, radius);
+            let mut found = Vec::new();
+            grid.near(at * 4.0, radius, &markers, |marker, _| found.push(marker));
+            found.sort_unstable();
+            let near = |i: &usize| (markers[*i] - at * 4.0).length_squared() <= radius * radius;
+            prop_assert_eq!(found, (0..markers.len()).filter(near).collect::<Vec<_>>());
+        }
+
+        #[test]
+        fn each_free_marker_goes_to_the_nearest_bud_that_sees_it(
+            markers in prop::collection::vec(point(), 1..100), nodes in prop::collection::vec(point(), 0..5),
+            buds in prop::collection::vec((point(), point()), 1..20), angle in 0.2f32..3.0,
+        ) {
+            let mut space = SpaceColonization::new(markers.clone()).with_occupancy(0.3).with_perception(0.7, angle);
+            space.update(&nodes, &[]);
+            let buds: Vec<Site> = buds
+                .into_iter()
+                .map(|(position, direction)| Site { position, direction: direction.normalize_or(Vec3::X) })
+                .collect();
+            space.prepare(&buds);
+            let mut counts = vec![0; buds.len()];
+            for &marker in markers.iter().filter(|marker| nodes.iter().all(|node| node.distance(**marker) > 0.3)) {
+                let sees = |bud: &&(usize, &Site)| {
+                    let away = marker - bud.1.position;
+                    away.length() <= 0.7 && math::angle_between(away, bud.1.direction) <= angle
+                };
+                let distance = |bud: &(usize, &Site)| bud.1.position.distance_squared(marker);
+                let nearest = buds
+                    .iter()
+                    .enumerate()
+                    .filter(|bud| sees(&bud))
+                    .min_by(|a, b| distance(a).total_cmp(&distance(b)));
+                if let Some((bud, _)) = nearest {
+                    counts[bud] += 1;
+                }
+            }
+            let gains: Vec<u32> = space.gains.iter().map(|gain| gain.0).collect();
+            // A marker on the very edge of a cone may round to either side.
+            let apart: u32 = gains.iter().zip(&counts).map(|(a, b)| a.abs_diff(*b)).sum();
+            prop_assert!(apart <= 1, "{gains:?} {counts:?}");
+        }
+
+        #[test]
+        fn markers_are_free_again_once_nodes_have_fallen(
+            markers in prop::collection::vec(point(), 1..100), nodes in prop::collection::vec(point(), 0..50),
+        ) {
+            let mut space = SpaceColonization::new(markers.clone()).with_occupancy(0.5);
+            space.update(&nodes, &[]);
+            let taken = markers.iter().filter(|m| nodes.iter().any(|n| (**m - *n).length_squared() <= 0.25)).count();
+            prop_assert_eq!(space.free(), markers.len() - taken);
+            space.update(&[], &nodes);
+            prop_assert_eq!(space.free(), markers.len());
+        }
+    }
+}

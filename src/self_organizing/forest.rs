@@ -1,0 +1,423 @@
+//! Many trees that share one environment.
+
+use super::environment::Environment;
+use super::habit::Habit;
+use super::room::Room;
+use super::shadow::ShadowPropagation;
+use super::tree::{Change, Plan, Tree};
+use super::width::Width;
+use crate::observer::{Cancelled, Observer, Silent, Work, report};
+use crate::radius::{RadiusError, RadiusModel};
+use crate::shape::{LARGEST, Shape};
+use crate::skeleton::{Skeleton, SkeletonError};
+use crate::{ParameterError, parallel};
+use glam::Vec3;
+use std::sync::Arc;
+
+/// The most metamers and trees unless said otherwise.
+const MOST_METAMERS: usize = 10_000_000;
+const MOST_TREES: usize = 10_000;
+/// Trees take turns in a season: those whose numbers leave the same remainder grow at once.
+pub(super) const TURNS: u32 = 4;
+
+/// Trees that grow season by season and compete in one [`Environment`].
+///
+/// In a season the trees take four turns, by the remainder of their numbers; under an environment that surveys buds
+/// it is one for all. In each turn all buds of its trees look at the environment as it is, then vigor is shared out,
+/// branches are shed and shoots grow, tree by tree on all threads, and then the environment is told what changed. So
+/// neighbours do not all grow into the same gap, and the number of threads does not matter. Every random draw is
+/// keyed by (seed, tree, node).
+///
+/// With serde a forest is written with its environment's options and all trees, and goes on bit for bit when read
+/// back; what could not have grown is refused. Envelopes and obstacles are not written: add them again.
+///
+/// Memory: 40 bytes a metamer, on the way about 16 more for those of the trees being worked on. Time: O(n) a season
+/// for n metamers, and what the environment takes.
+///
+/// ```
+/// use treesynth::glam::Vec3;
+/// use treesynth::self_organizing::{Forest, Habit, ShadowPropagation};
+///
+/// let mut forest = Forest::new(ShadowPropagation::default(), Habit::default(), 1);
+/// forest.plant(Vec3::new(-0.4, 0.0, 0.0))?;
+/// forest.plant(Vec3::new(0.4, 0.0, 0.0))?;
+/// forest.grow(10)?;
+/// assert_eq!(forest.trees().len(), 2);
+/// let ahead = forest.ahead(5)?;
+/// assert!(ahead.metamers() > forest.metamers() && forest.season() == 10);
+/// # Ok::<(), treesynth::self_organizing::GrowthError>(())
+/// ```
+#[derive(Debug, Clone)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(try_from = "super::saved::Saved<E>"))]
+#[cfg_attr(feature = "serde", serde(bound(deserialize = "E: serde::Deserialize<'de>")))]
+pub struct Forest<E: Environment = ShadowPropagation> {
+    pub(super) environment: E,
+    #[cfg_attr(feature = "serde", serde(skip))]
+    pub(super) room: Room,
+    pub(super) habits: Vec<Habit>,
+    pub(super) trees: Vec<Tree>,
+    pub(super) seed: u64,
+    pub(super) season: u16,
+    /// Which trees are to grow next, in [0, TURNS).
+    pub(super) turn: u32,
+    pub(super) next_tree: u32,
+    pub(super) most_metamers: usize,
+    pub(super) most_trees: usize,
+}
+
+/// Why a season did not come to pass.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum GrowthError {
+    /// An option is out of its range.
+    #[error(transparent)]
+    Parameter(#[from] ParameterError),
+    /// The next turn of the season would have led beyond the limit of metamers. All that has grown until then is
+    /// kept; with a higher limit, growth goes on from there.
+    #[error(
+        "season {season} would bring the forest to {metamers} metamers, but the limit is {limit}; what has grown until \
+         then is kept"
+    )]
+    Limit {
+        /// The season, from 1.
+        season: u16,
+        /// The metamers there would be, before shedding.
+        metamers: u64,
+        /// The most there may be.
+        limit: usize,
+    },
+    /// A tree has as many nodes, or the forest as many seasons, as can be numbered.
+    #[error("{what} can be numbered up to {most} only")]
+    Numbers {
+        /// What there is too much of.
+        what: &'static str,
+        /// The highest number.
+        most: u32,
+    },
+    /// The observer cancelled the work. What has grown is kept; growth may go on from there, and a season that was
+    /// broken off between two turns is finished first.
+    #[error("cancelled by the observer")]
+    Cancelled,
+    /// The radii of a tree could not be worked out.
+    #[error("the radii: {0}")]
+    Radius(#[from] RadiusError),
+    /// A tree is no skeleton.
+    #[error("the tree: {0}")]
+    Skeleton(#[from] SkeletonError),
+}
+
+impl From<Cancelled> for GrowthError {
+    fn from(_: Cancelled) -> Self {
+        Self::Cancelled
+    }
+}
+
+impl<E: Environment> Forest<E> {
+    /// No trees yet. At most 10 million metamers and 10,000 trees.
+    pub fn new(environment: E, habit: Habit, seed: u64) -> Self {
+        Self {
+            environment,
+            room: Room::default(),
+            habits: vec![habit],
+            trees: Vec::new(),
+            seed,
+            season: 0,
+            turn: 0,
+            next_tree: 0,
+            most_metamers: MOST_METAMERS,
+            most_trees: MOST_TREES,
+        }
+    }
+
+    /// Adds another species and returns its number for [`plant_as`](Self::plant_as); that of `new` is 0.
+    pub fn add_habit(&mut self, habit: Habit) -> usize {
+        self.habits.push(habit);
+        self.habits.len() - 1
+    }
+
+    /// The species, to be changed between seasons.
+    pub fn habits_mut(&mut self) -> &mut [Habit] {
+        &mut self.habits
+    }
+
+    /// The species.
+    pub fn habits(&self) -> &[Habit] {
+        &self.habits
+    }
+
+    /// Nodes stay inside of `shape` from now on, as well as inside of envelopes added before.
+    pub fn with_envelope(mut self, shape: impl Shape + 'static) -> Self {
+        self.room.envelopes.push(Arc::new(shape));
+        self
+    }
+
+    /// Nodes stay outside of `shape` from now on. Metamers are looked at in four places each, so one can slip through
+    /// a shape that is thinner than a quarter of it.
+    pub fn with_obstacle(mut self, shape: impl Shape + 'static) -> Self {
+        self.room.obstacles.push(Arc::new(shape));
+        self
+    }
+
+    /// Sets the most metamers, at most 2³¹; 10 million by default. A turn that would lead beyond is not begun.
+    pub fn with_most_metamers(mut self, metamers: usize) -> Self {
+        self.most_metamers = metamers;
+        self
+    }
+
+    /// Sets the most trees; 10,000 by default. When there are so many, seeds do not sprout.
+    pub fn with_most_trees(mut self, trees: usize) -> Self {
+        self.most_trees = trees;
+        self
+    }
+
+    /// Plants a tree of the first species at `foot`, metres; returns its number.
+    ///
+    /// # Errors
+    /// No room there: outside of the environment or an envelope, in an obstacle, not finite; or too many trees.
+    pub fn plant(&mut self, foot: Vec3) -> Result<u32, GrowthError> {
+        self.plant_as(foot, 0)
+    }
+
+    /// As [`plant`](Self::plant), of another species.
+    ///
+    /// # Errors
+    /// As `plant`, and a species that does not exist.
+    pub fn plant_as(&mut self, foot: Vec3, habit: usize) -> Result<u32, GrowthError> {
+        self.check()?;
+        ParameterError::unless(
+            habit < self.habits.len(),
+            "habit",
+            habit,
+            "the number of one of the species",
+        )?;
+        let range = "where the environment, envelopes and obstacles leave room, within a million metres";
+        ParameterError::unless(self.has_room(foot), "foot", foot, range)?;
+        let trees = self.trees.len();
+        ParameterError::unless(trees < self.most_trees, "Forest.trees", trees, "below the most trees")?;
+        self.root(foot, habit as u32, 0);
+        self.environment.update(&[foot], &[]);
+        Ok(self.next_tree - 1)
+    }
+
+    fn has_room(&self, foot: Vec3) -> bool {
+        foot.abs().max_element() <= LARGEST && self.environment.contains(foot) && self.room.holds(foot)
+    }
+
+    fn root(&mut self, foot: Vec3, habit: u32, generation: u16) {
+        self.trees.push(Tree::new(foot, self.next_tree, habit, generation, self.season));
+        self.next_tree += 1;
+    }
+
+    /// Whether all options are in range. Growth asks this before each season.
+    ///
+    /// # Errors
+    /// The first that is not.
+    pub fn check(&self) -> Result<(), ParameterError> {
+        self.environment.check()?;
+        self.room.check()?;
+        let most = self.most_metamers;
+        ParameterError::unless(most <= 1 << 31, "Forest.most_metamers", most, "at most 2^31")?;
+        self.habits.iter().try_for_each(Habit::check)
+    }
+
+    /// One season.
+    ///
+    /// # Errors
+    /// Options out of range, and the limits.
+    pub fn step(&mut self) -> Result<(), GrowthError> {
+        self.grow_observed(1, &Silent)
+    }
+
+    /// So many seasons.
+    ///
+    /// # Errors
+    /// As [`step`](Self::step); seasons finished before the error are kept.
+    pub fn grow(&mut self, seasons: u32) -> Result<(), GrowthError> {
+        self.grow_observed(seasons, &Silent)
+    }
+
+    /// As [`grow`](Self::grow), telling `observer` how far it is and stopping when told to.
+    ///
+    /// # Errors
+    /// As `grow`, and [`GrowthError::Cancelled`].
+    pub fn grow_observed(&mut self, seasons: u32, observer: &dyn Observer) -> Result<(), GrowthError> {
+        for index in 0..seasons {
+            self.pass(Work::Season { index, of: seasons }, observer)?;
+        }
+        Ok(())
+    }
+
+    /// The forest after so many more seasons; this one stays as it is.
+    ///
+    /// # Errors
+    /// As [`grow`](Self::grow).
+    pub fn ahead(&self, seasons: u32) -> Result<Self, GrowthError>
+    where
+        E: Clone,
+    {
+        let mut forest = self.clone();
+        forest.grow(seasons)?;
+        Ok(forest)
+    }
+
+    fn pass(&mut self, work: Work, observer: &dyn Observer) -> Result<(), GrowthError> {
+        self.check()?;
+        report(observer, work, 0.0)?;
+        loop {
+            self.take_turn()?;
+            report(observer, work, if self.turn == 0 { 1.0 } else { self.turn as f32 / TURNS as f32 })?;
+            if self.turn == 0 {
+                return Ok(());
+            }
+        }
+    }
+
+    /// The season of the trees whose turn it is: they look, all at once, then grow, then the environment is told.
+    fn take_turn(&mut self) -> Result<(), GrowthError> {
+        let season =
+            self.season.checked_add(1).ok_or(GrowthError::Numbers { what: "seasons", most: 65_535 })?;
+        let standing = self.metamers() as u64;
+        let (habits, seed, turn) = (&self.habits, self.seed, self.turn);
+        // Buds that share out markers must all be there at once.
+        let turns = if self.environment.surveys() { 1 } else { TURNS };
+        let mut trees: Vec<&mut Tree> =
+            self.trees.iter_mut().filter(|tree| tree.number % turns == turn).collect();
+        let mut firsts = Vec::new();
+        if self.environment.surveys() {
+            let sites =
+                parallel::each_mut(&mut trees, |_, tree| tree.sites(&habits[tree.habit as usize], seed));
+            self.environment.prepare(&sites.concat());
+            firsts.extend(sites.iter().scan(0, |next, sites| {
+                *next += sites.len() as u32;
+                Some(*next - sites.len() as u32)
+            }));
+        }
+        let environment = &self.environment;
+        let plans = parallel::each_mut(&mut trees, |i, tree| {
+            let first = firsts.get(i).copied().unwrap_or(0);
+            tree.plan(environment, &habits[tree.habit as usize], seed, season, first)
+        });
+        check_limits(season, &trees, &plans, standing, self.most_metamers)?;
+        let room = &self.room;
+        let mut planned: Vec<(&mut Tree, Plan)> = trees.into_iter().zip(plans).collect();
+        let mut changes = parallel::each_mut(&mut planned, |_, (tree, plan)| {
+            let habit = &habits[tree.habit as usize];
+            tree.carry_out(std::mem::take(plan), room, |point| environment.contains(point), habit, season)
+        });
+        self.turn = (turn + 1) % turns;
+        if self.turn == 0 {
+            self.season = season;
+            changes.push(self.bury_and_sow());
+        }
+        let appeared: Vec<&[Vec3]> = changes.iter().map(|change| &change.appeared[..]).collect();
+        let fallen: Vec<&[Vec3]> = changes.iter().map(|change| &change.fallen[..]).collect();
+        self.environment.update(&appeared.concat(), &fallen.concat());
+        Ok(())
+    }
+
+    /// Takes dead trees away and sows new ones where there is room for them.
+    fn bury_and_sow(&mut self) -> Change {
+        let mut change = Change::default();
+        let (habits, season) = (&self.habits, self.season);
+        self.trees.retain(|tree| {
+            let dead = tree.is_dead(&habits[tree.habit as usize], season);
+            if dead {
+                change.fallen.extend(tree.positions());
+            }
+            !dead
+        });
+        for index in 0..self.trees.len() {
+            let tree = &self.trees[index];
+            let (habit, generation) = (tree.habit, tree.generation.saturating_add(1));
+            let Some(offspring) = self.habits[habit as usize].offspring else { continue };
+            let age = season - tree.born();
+            for foot in offspring.sow(tree.foot(), tree.vigor, age, self.seed, tree.number) {
+                if self.trees.len() < self.most_trees && self.next_tree < u32::MAX && self.has_room(foot) {
+                    self.root(foot, habit, generation);
+                    change.appeared.push(foot);
+                }
+            }
+        }
+        change
+    }
+
+    /// Cuts a branch off: the metamer below `node` of the tree of this number, and all above it. A bud takes its
+    /// place, and the branch may grow again. What is left keeps its width, but shedding asks of it the vigor for
+    /// what it still carries.
+    ///
+    /// # Errors
+    /// No tree of this number; no such node, or the foot.
+    pub fn cut(&mut self, tree: u32, node: usize) -> Result<(), ParameterError> {
+        let place = self.trees.binary_search_by_key(&tree, Tree::number);
+        let place =
+            place.map_err(|_| ParameterError::new("tree", tree, "the number of a tree that stands"))?;
+        let nodes = self.trees[place].nodes.len();
+        ParameterError::unless(
+            (1..nodes).contains(&node),
+            "node",
+            node,
+            "a node of the tree above its foot",
+        )?;
+        let fallen = self.trees[place].cut(node as u32);
+        self.environment.update(&[], &fallen);
+        Ok(())
+    }
+
+    /// The trees that stand, by ascending number.
+    pub fn trees(&self) -> &[Tree] {
+        &self.trees
+    }
+
+    /// The environment as the latest season left it.
+    pub fn environment(&self) -> &E {
+        &self.environment
+    }
+
+    /// Seasons so far.
+    pub fn season(&self) -> u16 {
+        self.season
+    }
+
+    /// The metamers of all trees.
+    pub fn metamers(&self) -> usize {
+        self.trees.iter().map(Tree::metamers).sum()
+    }
+
+    /// A tree as a skeleton with the radii of [`Width`], its stages the seasons in which nodes appeared.
+    ///
+    /// # Errors
+    /// Radii beyond `f32`.
+    pub fn skeleton(&self, tree: &Tree) -> Result<Skeleton, GrowthError> {
+        let habit = self.habits.get(tree.habit()).unwrap_or(&self.habits[0]);
+        let skeleton = tree.skeleton()?;
+        let radii = Width::new(tree, habit).radii(&skeleton)?;
+        Ok(skeleton.with_radii(radii)?)
+    }
+
+    /// The skeletons of all trees, on all threads.
+    ///
+    /// # Errors
+    /// As [`skeleton`](Self::skeleton).
+    pub fn skeletons(&self) -> Result<Vec<Skeleton>, GrowthError> {
+        parallel::map(self.trees.len(), |tree| self.skeleton(&self.trees[tree])).into_iter().collect()
+    }
+}
+
+fn check_limits(
+    season: u16,
+    trees: &[&mut Tree],
+    plans: &[Plan],
+    standing: u64,
+    limit: usize,
+) -> Result<(), GrowthError> {
+    let metamers = plans.iter().fold(standing, |sum, plan| sum.saturating_add(plan.metamers));
+    if metamers > limit as u64 {
+        return Err(GrowthError::Limit { season, metamers, limit });
+    }
+    let numbers = trees.iter().zip(plans).map(|(tree, plan)| u64::from(tree.next_number) + plan.metamers);
+    if numbers.max() > Some(u64::from(u32::MAX)) {
+        return Err(GrowthError::Numbers { what: "the nodes of a tree", most: u32::MAX });
+    }
+    Ok(())
+}

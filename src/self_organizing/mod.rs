@@ -1,0 +1,39 @@
+//! Trees and forests that organize themselves: buds compete for light, space and vigor.
+//!
+//! After Pałubicki et al. 2009, "Self-organizing tree models for image synthesis", as the program `TreeGen` and the
+//! text about it work it out. "The text" in this module is that one; its six steps are
+//!
+//! 1. light at each bud, summed to the root: [`Environment`], [`ShadowPropagation`], [`SpaceColonization`];
+//! 2. vigor, shared out from the root to the buds: [`VigorModel`];
+//! 3. shoots of buds whose vigor is at least 1, and 4. shedding of branches that do not pay: [`Habit`];
+//! 5. width: [`Width`], a [`RadiusModel`](crate::RadiusModel);
+//! 6. seeds: [`Offspring`].
+//!
+//! [`SelfOrganizing`] grows one tree, [`Forest`] many that share an environment.
+
+mod colonization;
+mod environment;
+mod forest;
+mod habit;
+mod offspring;
+mod room;
+#[cfg(feature = "serde")]
+mod saved;
+mod shadow;
+mod single;
+#[cfg(test)]
+mod tests;
+mod tree;
+mod vigor;
+mod width;
+
+pub use colonization::SpaceColonization;
+pub use environment::{Bud, Environment};
+pub use forest::{Forest, GrowthError};
+pub use habit::{Habit, Phyllotaxis, Shedding};
+pub use offspring::Offspring;
+pub use shadow::ShadowPropagation;
+pub use single::SelfOrganizing;
+pub use tree::{Site, Tree};
+pub use vigor::VigorModel;
+pub use width::Width;

@@ -1,0 +1,183 @@
+//! What each preset shows, as a number.
+
+use super::forest_hash;
+use std::collections::{BTreeMap, BTreeSet};
+use treesynth::glam::Vec3;
+use treesynth::self_organizing::{Forest, Tree};
+use treesynth::shape::{Cuboid, Sphere};
+use treesynth::{Metrics, Shape, Skeleton, presets};
+
+fn grown(name: &str, seed: u64) -> Forest {
+    presets::stand_by_name(name).expect("a stand of this name").grow(seed).expect("it grows")
+}
+
+fn alone(name: &str, seed: u64) -> Skeleton {
+    grown(name, seed).skeletons().expect("radii")[0].clone()
+}
+
+/// The mean of `measure` over trees of four seeds.
+fn mean(name: &str, measure: impl Fn(&Skeleton) -> f64) -> f64 {
+    (1..=4).map(|seed| measure(&alone(name, seed))).sum::<f64>() / 4.0
+}
+
+fn slenderness(tree: &Skeleton) -> f64 {
+    let metrics = Metrics::of(tree);
+    metrics.height / metrics.crown_width
+}
+
+/// The share of internodes that are headed downwards.
+fn hanging(tree: &Skeleton) -> f64 {
+    let down = tree.edges().filter(|&(child, parent)| tree.positions()[child].y < tree.positions()[parent].y);
+    down.count() as f64 / tree.segments() as f64
+}
+
+/// The middle of all nodes.
+fn middle(tree: &Skeleton) -> Vec3 {
+    tree.positions().iter().sum::<Vec3>() / tree.len() as f32
+}
+
+#[test]
+fn slenderness_rises_with_apical_control() {
+    let [excurrent, between, decurrent] =
+        ["stand-excurrent", "stand-between", "stand-decurrent"].map(|name| mean(name, slenderness));
+    assert!(excurrent > 1.25 * between && between > 1.25 * decurrent, "{excurrent} {between} {decurrent}");
+}
+
+#[test]
+fn a_weeping_tree_hangs() {
+    assert!(mean("stand-weeping", hanging) > 0.5);
+    assert!(mean("stand-between", hanging) < 0.02);
+}
+
+#[test]
+fn the_wind_blows_to_the_right() {
+    let leaning = |name: &str| mean(name, |tree| f64::from(middle(tree).x) / Metrics::of(tree).height);
+    assert!(leaning("stand-wind") > 0.3 && leaning("stand-between").abs() < 0.1);
+}
+
+/// A shrub is wider than high, and has lost its leader before it is as high as a child.
+#[test]
+fn a_shrub_forks_low() {
+    assert!(mean("stand-shrub", slenderness) < 1.0);
+    let limbs = |tree: &Skeleton| {
+        let radii = tree.radii();
+        let forks = tree.edges().filter(|&(child, parent)| {
+            tree.positions()[child].y < 0.8
+                && tree.orders()[child] > tree.orders()[parent]
+                && radii[child] > 0.3 * radii[0]
+        });
+        forks.count() as f64
+    };
+    assert!(mean("stand-shrub", limbs) >= 2.0, "{}", mean("stand-shrub", limbs));
+}
+
+/// Nothing sticks out, and there are twigs in every eighth of both balls.
+#[test]
+fn a_topiary_fills_its_shape() {
+    let tree = alone("stand-topiary", 1);
+    let balls = [Sphere::new(Vec3::Y * 1.5, 0.8), Sphere::new(Vec3::Y * 3.1, 0.6)];
+    let stem = Cuboid::new(Vec3::new(-0.2, -0.1, -0.2), Vec3::new(0.2, 3.4, 0.2));
+    let inside = |node: &Vec3| stem.contains(*node) || balls.iter().any(|ball| ball.contains(*node));
+    assert!(tree.positions().iter().all(inside));
+    for (center, radius) in [(1.5, 0.8), (3.1, 0.6)] {
+        for eighth in 0..8 {
+            let side = |axis: u32| if eighth >> axis & 1 == 0 { -1.0 } else { 1.0 };
+            let corner = Vec3::Y * center + Vec3::new(side(0), side(1), side(2)) * radius * 0.5;
+            let near = tree.positions().iter().filter(|node| node.distance(corner) < 0.4 * radius).count();
+            assert!(near > 20, "{near} nodes around {corner}");
+        }
+    }
+}
+
+#[test]
+fn nothing_is_inside_the_wall() {
+    for seed in 1..=4 {
+        let tree = alone("stand-wall", seed);
+        assert!(tree.positions().iter().all(|&node| !presets::WALL.contains(node)));
+        let face = presets::WALL.max().x;
+        let beyond = tree.positions().iter().filter(|node| node.x < face && node.y < 12.0).count();
+        assert_eq!(beyond, 0);
+        assert!(tree.positions().iter().any(|node| node.x < face + 0.1), "it leans against the wall");
+    }
+}
+
+/// The part of a tree's nodes that are farther than `half` metres to one side, the side where there are most.
+fn beyond(tree: &Skeleton, half: f32) -> f64 {
+    let foot = tree.positions()[0];
+    let share = |direction: Vec3| {
+        tree.positions().iter().filter(|&&node| (node - foot).dot(direction) > half).count() as f64
+            / tree.len() as f64
+    };
+    [Vec3::X, Vec3::NEG_X, Vec3::Z, Vec3::NEG_Z].into_iter().map(share).fold(0.0, f64::max)
+}
+
+/// Crowns of neighbours do not touch, and reach into each other's space by far less than they would alone.
+#[test]
+fn crowns_are_shy() {
+    let stand = grown("stand-shyness", 1).skeletons().expect("radii");
+    let mut gaps = Vec::new();
+    for (i, one) in stand.iter().enumerate() {
+        for other in &stand[i + 1..] {
+            if one.positions()[0].distance(other.positions()[0]) < 3.6 {
+                let nearest = |node: &Vec3| {
+                    let squares = other.positions().iter().map(|to| node.distance_squared(*to));
+                    squares.fold(f32::MAX, f32::min)
+                };
+                gaps.push(one.positions().iter().map(nearest).fold(f32::MAX, f32::min).sqrt());
+            }
+        }
+    }
+    assert_eq!(gaps.len(), 12);
+    let mean_gap = gaps.iter().sum::<f32>() / 12.0;
+    assert!(mean_gap > 0.1 && gaps.iter().all(|&gap| gap > 0.03), "{gaps:?}");
+    // The tree in the middle has neighbours on all sides.
+    let (middle, lone) = (beyond(&stand[4], 1.75), mean("stand-between", |tree| beyond(tree, 1.75)));
+    assert!(middle < 0.6 * lone, "{middle} for {lone}");
+}
+
+/// Trees of four generations and more stand at once; of those of one age, the ones under the first tree are shorter.
+#[test]
+fn the_shaded_are_shorter() {
+    let forest = grown("stand-generations", 1);
+    let generations: BTreeSet<u16> = forest.trees().iter().map(Tree::generation).collect();
+    assert!((0..4).all(|generation| generations.contains(&generation)), "{generations:?}");
+    let sown = forest.trees().last().expect("there are trees").number();
+    assert!(usize::from(sown as u16) > forest.trees().len(), "some have died");
+    let mut heights: BTreeMap<u16, [Vec<f32>; 2]> = BTreeMap::new();
+    for tree in &forest.trees()[1..] {
+        let under = tree.foot().distance(forest.trees()[0].foot()) < 2.5;
+        let top = tree.positions().map(|node| node.y).fold(0.0, f32::max);
+        heights.entry(tree.born()).or_default()[usize::from(under)].push(top);
+    }
+    let mean = |heights: &[f32]| heights.iter().sum::<f32>() / heights.len() as f32;
+    let ages: Vec<_> = heights.values().filter(|[open, under]| open.len() > 3 && under.len() > 3).collect();
+    assert!(ages.len() >= 4);
+    for [open, under] in ages {
+        assert!(mean(under) < 0.8 * mean(open), "{} under it, {} in the open", mean(under), mean(open));
+    }
+}
+
+/// Equal seeds give equal stands; a change of these is a line in the CHANGELOG.
+#[test]
+fn stands_grow_the_same_trees_as_ever() {
+    let hash = |stand: &presets::Stand| {
+        let mut forest = stand.plant(stand.seed).expect("there is room");
+        forest.grow(stand.seasons.min(12)).expect("no limit is near");
+        forest_hash(&forest)
+    };
+    let found: Vec<(&str, u64)> = presets::stands().map(|stand| (stand.name, hash(stand))).collect();
+    assert_eq!(found, PINNED, "{found:#x?}");
+}
+
+const PINNED: &[(&str, u64)] = &[
+    ("stand-excurrent", 0x1dfb_76cf_f345_d413),
+    ("stand-between", 0xb20b_48a5_3e11_a208),
+    ("stand-decurrent", 0x230c_298e_4145_fa50),
+    ("stand-weeping", 0x0d8a_0b28_f99a_0587),
+    ("stand-wind", 0x472b_c6d8_f4c4_8c9d),
+    ("stand-shrub", 0x527a_eb75_4f3c_2c4f),
+    ("stand-topiary", 0x11bb_c091_045a_fb8c),
+    ("stand-wall", 0x930c_782c_4adc_1703),
+    ("stand-shyness", 0x590b_1dc8_71a3_d80d),
+    ("stand-generations", 0x9cc9_48e8_080f_022b),
+];
