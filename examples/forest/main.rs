@@ -10,10 +10,12 @@ use std::fs::{self, File};
 use std::io::{BufWriter, Write};
 use std::ops::ControlFlow;
 use std::path::Path;
-use treesynth::export::gltf::{GlbOptions, write_glb};
+use treesynth::export::gltf::{GlbOptions, write_glb_parts};
+use treesynth::foliage::Leaves;
+use treesynth::presets::{self, Season, Stand};
 use treesynth::preview::{Camera, Picture, Preview};
-use treesynth::surface::{Mesh, Tubes};
-use treesynth::{Forest, Progress, Work, presets};
+use treesynth::surface::{Mesh, Part, Tubes};
+use treesynth::{Bounds, Forest, Progress, Work};
 
 type Failure = Box<dyn std::error::Error>;
 
@@ -37,7 +39,7 @@ fn run(options: &Options) -> Result<(), Failure> {
 
     let bar = ProgressBar::new(u64::from(seasons) * 4);
     bar.set_style(ProgressStyle::with_template("{msg:>24} [{bar:40}] {percent:>3}% {elapsed_precise}")?);
-    let mut meshes = Vec::new();
+    let mut looks = Vec::new();
     for season in 0..seasons {
         let watch = |progress: Progress| {
             if let Work::Season { .. } = progress.work {
@@ -48,18 +50,24 @@ fn run(options: &Options) -> Result<(), Failure> {
         forest.grow_observed(1, &watch)?;
         bar.set_message(format!("{} trees, {} metamers", forest.trees().len(), forest.metamers()));
         // Half of the detail will do for the small pictures of the animation.
-        meshes.extend(surface(&forest, if season + 1 == seasons { 8 } else { 4 })?);
+        looks.push(look(stand, &forest, if season + 1 == seasons { 8 } else { 4 })?);
     }
     bar.finish_and_clear();
-    let last = meshes.last().ok_or("nothing has grown: --seasons must be at least 1")?;
+    let last = looks.last().ok_or("nothing has grown: --seasons must be at least 1")?;
+    let parts: Vec<Part<'_>> = last.iter().flat_map(Look::parts).collect();
 
     let file = |extension: &str| options.out.join(format!("{}.{extension}", stand.name));
-    let look = GlbOptions::default().with_name(stand.name);
-    write(&file("glb"), |writer| Ok(write_glb(last, &look, writer)?))?;
-    write(&file("png"), |writer| Ok(Preview::default().draw(last)?.write_png(writer)?))?;
-    let camera = Camera::default().framing(last.bounds().ok_or("the mesh is empty")?);
+    let name = GlbOptions::default().with_name(stand.name);
+    write(&file("glb"), |writer| Ok(write_glb_parts(&parts, &name, writer)?))?;
+    write(&file("png"), |writer| Ok(Preview::default().draw_parts(&parts)?.write_png(writer)?))?;
+    let bounds = last.iter().filter_map(|look| look.mesh.bounds()).reduce(Bounds::union);
+    let camera = Camera::default().framing(bounds.ok_or("nothing has sprouted yet")?);
     let preview = Preview::default().with_camera(camera).with_size(options.size, options.size);
-    let frames = meshes.iter().map(|mesh| preview.clone().with_ground_height(0.0).draw(mesh));
+    let sprouted = looks.iter().filter(|season| !season.is_empty());
+    let frames = sprouted.map(|season| {
+        let parts: Vec<Part<'_>> = season.iter().flat_map(Look::parts).collect();
+        preview.clone().with_ground_height(0.0).draw_parts(&parts)
+    });
     let frames: Vec<Picture> = frames.collect::<Result<_, _>>()?;
     write(&file("apng"), |writer| Ok(Picture::write_animation(&frames, 250, writer)?))?;
     println!(
@@ -73,19 +81,29 @@ fn run(options: &Options) -> Result<(), Failure> {
     Ok(())
 }
 
-/// All trees in one mesh; `None` while there are only seeds.
-fn surface(forest: &Forest, sides: u32) -> Result<Option<Mesh>, Failure> {
-    let tubes = Tubes::default().with_sides(sides);
-    let mut all = Mesh::default();
-    for tree in forest.skeletons()?.iter().filter(|tree| tree.len() > 1) {
-        let mesh = tubes.mesh(tree)?;
-        let first = all.positions.len() as u32;
-        all.positions.extend(mesh.positions);
-        all.normals.extend(mesh.normals);
-        all.uvs.extend(mesh.uvs);
-        all.indices.extend(mesh.indices.iter().map(|index| index + first));
+/// A tree to be drawn and written.
+struct Look {
+    mesh: Mesh,
+    leaves: Option<Leaves>,
+}
+
+impl Look {
+    fn parts(&self) -> impl Iterator<Item = Part<'_>> {
+        [Part::new(&self.mesh)].into_iter().chain(self.leaves.as_ref().map(Leaves::part))
     }
-    Ok((!all.is_empty()).then_some(all))
+}
+
+/// The trees that are more than seeds, in summer.
+fn look(stand: &Stand, forest: &Forest, sides: u32) -> Result<Vec<Look>, Failure> {
+    let tubes = Tubes::default().with_sides(sides);
+    let skeletons = forest.skeletons()?;
+    let sprouted = forest.trees().iter().zip(&skeletons).filter(|(_, skeleton)| skeleton.len() > 1);
+    sprouted
+        .map(|(tree, skeleton)| {
+            let leaves = stand.leaves(tree, skeleton, Season::Summer)?;
+            Ok(Look { mesh: tubes.mesh(skeleton)?, leaves })
+        })
+        .collect()
 }
 
 /// Writes to a file; a failure names it.

@@ -66,13 +66,15 @@ fn main() -> Result<(), Failure> {
         let sheet = Picture::sheet(pictures, columns as u32, 6, [255, 255, 255])?;
         write(&options.out.join(format!("sheet-{figure:02}.png")), &sheet)?;
     }
-    let mut pictures = Vec::new();
+    let (mut pictures, mut summers) = (Vec::new(), Vec::new());
     for stand in presets::stands().filter(|stand| stand.name.contains(&options.only)) {
-        let picture = stands::draw(stand, options.size)?;
+        let picture = stands::draw(stand, Season::Winter, options.size)?;
         write(&options.out.join(format!("{}.png", stand.name)), &picture)?;
         println!("{}: {}", stand.name, stand.caption);
         pictures.push(picture);
+        summers.push(stands::draw(stand, Season::Summer, options.size)?);
     }
+    pictures.append(&mut summers);
     if !pictures.is_empty() {
         let sheet = Picture::sheet(&pictures, 5, 6, [255, 255, 255])?;
         write(&options.out.join("sheet-stands.png"), &sheet)?;

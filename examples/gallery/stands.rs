@@ -1,18 +1,23 @@
 //! Trees and stands that organize themselves.
 
 use super::Failure;
-use treesynth::presets::Stand;
+use treesynth::foliage::Leaves;
+use treesynth::presets::{Season, Stand};
 use treesynth::preview::{Picture, Preview};
 use treesynth::surface::{Mesh, Part, Tubes};
 
 /// The stand after all its seasons.
-pub(crate) fn draw(stand: &Stand, size: u32) -> Result<Picture, Failure> {
-    let skeletons = stand.grow(stand.seed)?.skeletons()?;
-    let tubes = Tubes::default().with_sides(6);
+pub(crate) fn draw(stand: &Stand, season: Season, size: u32) -> Result<Picture, Failure> {
+    let forest = stand.grow(stand.seed)?;
+    let skeletons = forest.skeletons()?;
     // A seed that has not sprouted has no surface.
-    let meshes = skeletons.iter().filter(|tree| tree.len() > 1).map(|tree| tubes.mesh(tree));
-    let meshes: Vec<Mesh> = meshes.collect::<Result<_, _>>()?;
-    let parts: Vec<Part<'_>> = meshes.iter().map(Part::new).collect();
+    let trees = || forest.trees().iter().zip(&skeletons).filter(|(_, skeleton)| skeleton.len() > 1);
+    let tubes = Tubes::default().with_sides(6);
+    let meshes: Vec<Mesh> = trees().map(|(_, skeleton)| tubes.mesh(skeleton)).collect::<Result<_, _>>()?;
+    let leaves: Vec<Option<Leaves>> =
+        trees().map(|(tree, skeleton)| stand.leaves(tree, skeleton, season)).collect::<Result<_, _>>()?;
+    let parts: Vec<Part<'_>> =
+        meshes.iter().map(Part::new).chain(leaves.iter().flatten().map(Leaves::part)).collect();
     let paper = [0.97, 0.965, 0.955];
     let mut picture =
         Preview::default().with_size(size, size).with_background(paper, paper).draw_parts(&parts)?;

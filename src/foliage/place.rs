@@ -199,9 +199,13 @@ impl<'a> Twig<'a> {
         let towards = adaxial.lerp(light.normalize_or(UP), turn)
             + along.cross(outward) * self.disorder(seed, Draw::Turn, number)
             + outward * self.disorder(seed, Draw::Lean, number);
-        let upper = |v: Vec3| (v - midrib * v.dot(midrib)).try_normalize();
+        // What is left of a vector along the midrib is rounding.
+        let upper = |v: Vec3| {
+            let across = v - midrib * v.dot(midrib);
+            (across.length_squared() > 1e-6 * v.length_squared()).then(|| across.normalize())
+        };
         let normal = upper(towards).or_else(|| upper(adaxial)).unwrap_or_else(|| perpendicular(midrib));
-        Quat::from_mat3(&Mat3::from_cols(midrib.cross(normal), midrib, normal))
+        Quat::from_mat3(&Mat3::from_cols(midrib.cross(normal), midrib, normal)).normalize()
     }
 
     fn scale(&self, seed: u64, number: u32, from_tip: f32) -> f32 {

@@ -66,6 +66,16 @@ pub(super) const ELM: Look = Look {
     }),
 };
 
+/// For trees that organize themselves, whose metamers are some 10 cm long.
+pub(super) const HORNBEAM: Look = Look {
+    bark: [112, 104, 94],
+    summer: [82, 120, 46],
+    autumn: [208, 172, 62],
+    leaves: Some(|| {
+        Foliage::new(Leaf::ovate().with_petiole(0.12)).with_spacing(0.03).with_size(0.1).with_reach(1e6)
+    }),
+};
+
 pub(super) const LINDEN: Look = Look {
     bark: [104, 94, 82],
     summer: [88, 126, 52],

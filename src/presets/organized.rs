@@ -1,7 +1,9 @@
 //! Trees and stands that organize themselves: what a habit, a wind, a wall or neighbours make of a bud.
 
-use super::degrees;
-use crate::self_organizing::{Forest, GrowthError, Habit, Offspring, ShadowPropagation, VigorModel};
+use super::{Season, degrees, look};
+use crate::Skeleton;
+use crate::foliage::{FoliageError, Leaves};
+use crate::self_organizing::{Forest, GrowthError, Habit, Offspring, ShadowPropagation, Tree, VigorModel};
 use crate::shape::{Bounds, Cuboid, Sphere, Union};
 use glam::Vec3;
 
@@ -37,6 +39,23 @@ impl Stand {
         let mut forest = self.plant(seed)?;
         forest.grow(self.seasons)?;
         Ok(forest)
+    }
+
+    /// The leaves of one of its trees: where the text's rule ([`Tree::leafy`]) has them, on metamers that begin at
+    /// least four nodes from the foot and carry fewer than 30 buds. None in winter.
+    ///
+    /// # Errors
+    /// As [`Foliage::place`](crate::foliage::Foliage::place): a skeleton without radii, say.
+    pub fn leaves(
+        &self,
+        tree: &Tree,
+        skeleton: &Skeleton,
+        season: Season,
+    ) -> Result<Option<Leaves>, FoliageError> {
+        let Some(foliage) = look::HORNBEAM.foliage(season) else { return Ok(None) };
+        let (mut leaves, leafy) = (foliage.place(skeleton, self.seed)?, tree.leafy(30, 4));
+        leaves.instances.retain(|leaf| leafy.get(leaf.node as usize) == Some(&true));
+        Ok(Some(leaves))
     }
 }
 

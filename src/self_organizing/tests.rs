@@ -260,3 +260,19 @@ fn seeds_are_counted_even_of_endless_vigor() {
     assert!((88_000..90_000).contains(&seeds.len()), "{}", seeds.len());
     assert!(seeds.iter().all(|seed| seed.is_finite()));
 }
+
+#[test]
+fn leaves_grow_where_few_buds_are_borne_and_not_near_the_foot() {
+    let (tree, _) = grown(3, 9, Habit::default());
+    let (skeleton, counts) = (tree.skeleton().unwrap(), tree.child_counts().collect::<Vec<_>>());
+    for (most, least) in [(0, 0), (3, 0), (10, 4), (u32::MAX, 6), (u32::MAX, 0)] {
+        let leafy = tree.leafy(most, least);
+        assert_eq!(leafy.len(), skeleton.len());
+        assert!(!leafy[0]);
+        for (node, parent) in skeleton.edges() {
+            let siblings = skeleton.edges().filter(|&(_, other)| other == parent);
+            let dominant = siblings.map(|(child, _)| counts[child]).max().unwrap();
+            assert_eq!(leafy[node], skeleton.hops()[parent] >= least && dominant < most, "{node}");
+        }
+    }
+}
