@@ -14,6 +14,7 @@ mod axis;
 mod capsule;
 mod circle;
 mod collar;
+mod implicit;
 mod level;
 mod material;
 mod mesh;
@@ -23,6 +24,7 @@ mod tube;
 mod weave;
 
 pub use capsule::{Capsule, Capsules};
+pub use implicit::Implicit;
 pub use level::{Level, Levels};
 pub use material::Material;
 pub use mesh::{Mesh, MeshError, Wind};
@@ -44,6 +46,14 @@ pub enum SurfaceError {
     NoRadii {
         /// The number of nodes.
         nodes: usize,
+    },
+    /// The closed surface needs more blocks of voxels than were allowed.
+    #[error("more than {most} blocks would be needed at a finest voxel of {voxel} m; use a larger one or allow more")]
+    TooManyBlocks {
+        /// The side of the finest voxels, metres.
+        voxel: f32,
+        /// The number of blocks allowed.
+        most: usize,
     },
     /// More vertices than 32-bit indices can name.
     #[error(
