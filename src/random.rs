@@ -23,6 +23,10 @@ impl Purpose {
     pub const JITTER: Self = Self(4);
     /// Random weights of edges when distances stand in for hops.
     pub const EDGE_WEIGHT: Self = Self(5);
+    /// Where the nodes of a guidance shape lie.
+    pub const SHAPE_NODES: Self = Self(40);
+    /// How the first branches of an axis are turned about it.
+    pub const AZIMUTH: Self = Self(41);
     /// The first purpose that the crate itself never uses.
     pub const CUSTOM: Self = Self(1 << 16);
 }
