@@ -15,6 +15,7 @@ use treesynth::guided::{Graph, Search, TreeSynth};
 use treesynth::presets::{self, Preset, TYPICAL_NODES};
 use treesynth::preview::{Picture, Preview};
 use treesynth::surface::Tubes;
+use treesynth::{Skeleton, variational};
 
 type Failure = Box<dyn std::error::Error>;
 
@@ -55,6 +56,23 @@ fn main() -> Result<(), Failure> {
         let columns = if pictures.len() > 5 { pictures.len().div_ceil(2) } else { pictures.len() };
         let sheet = Picture::sheet(pictures, columns as u32, 6, [255, 255, 255])?;
         write(&options.out.join(format!("sheet-{figure:02}.png")), &sheet)?;
+    }
+    shapes(&options)
+}
+
+/// The trees that fill shapes, a sheet for each figure of theirs.
+fn shapes(options: &Options) -> Result<(), Failure> {
+    let mut sheets: BTreeMap<u8, Vec<Picture>> = BTreeMap::new();
+    for preset in variational::presets().filter(|preset| preset.name.contains(&options.only)) {
+        let nodes = preset.shape_nodes.min(options.nodes / 10);
+        let mut picture = shaded(&preset.synth(nodes)?.synthesize(preset.seed)?, options.size)?;
+        picture.label(preset.name, 6, 6, 1, [60, 60, 60]);
+        println!("{}: {}", preset.name, preset.caption);
+        sheets.entry(preset.figure).or_default().push(picture);
+    }
+    for (figure, pictures) in &sheets {
+        let sheet = Picture::sheet(pictures, 3, 6, [255, 255, 255])?;
+        write(&options.out.join(format!("sheet-variational-{figure:02}.png")), &sheet)?;
     }
     Ok(())
 }
@@ -113,8 +131,12 @@ fn draw_stages(
     if preset.planar {
         return plane::draw(&search, &growth.skeleton, options.size);
     }
-    let mesh = Tubes::default().mesh(&growth.skeleton.relaxed(0.5, 3)?)?;
+    shaded(&growth.skeleton.relaxed(0.5, 3)?, options.size)
+}
+
+fn shaded(skeleton: &Skeleton, size: u32) -> Result<Picture, Failure> {
+    let mesh = Tubes::default().mesh(skeleton)?;
     // A plain background keeps the files small.
     let paper = [0.97, 0.965, 0.955];
-    Ok(Preview::default().with_size(options.size, options.size).with_background(paper, paper).draw(&mesh)?)
+    Ok(Preview::default().with_size(size, size).with_background(paper, paper).draw(&mesh)?)
 }

@@ -71,8 +71,8 @@ impl Draft {
         self.len() - 1
     }
 
-    /// "Structure initialization" (section 4.2): on every branch node with at least `least` shape nodes an axis of
-    /// `level`, towards the middle of these. Returns whether there was one.
+    /// "Structure initialization" (section 4.2): on every branch node of an earlier stage with at least `least` shape nodes
+    /// an axis of `level`, towards the middle of these. The first level is the trunk's.
     pub(super) fn initialize(
         &mut self,
         level: &Level,
@@ -80,17 +80,24 @@ impl Draft {
         least: usize,
         places: &[DVec3],
         seed: u64,
-    ) -> bool {
+    ) {
         let before = self.len();
         let clusters = Lists::new(before, &self.owners);
         let mut bears = vec![false; before];
         self.parents.iter().skip(1).for_each(|&parent| bears[parent as usize] = true);
-        for node in (0..before).filter(|&node| clusters.of(node).len() >= least) {
-            let cluster: Vec<DVec3> = clusters.of(node).iter().map(|&i| places[i as usize]).collect();
-            let azimuth = std::f32::consts::TAU * unit(seed, u32::from(stage), Purpose::AZIMUTH, node as u64);
-            self.axis(node, bears[node], level, stage, &cluster, azimuth);
+        let suits = |node: usize| {
+            if stage == 0 {
+                !bears[0]
+            } else {
+                self.stages[node] <= stage && clusters.of(node).len() >= least
+            }
+        };
+        let bases: Vec<usize> = (0..before).filter(|&node| suits(node)).collect();
+        for base in bases {
+            let cluster: Vec<DVec3> = clusters.of(base).iter().map(|&i| places[i as usize]).collect();
+            let azimuth = std::f32::consts::TAU * unit(seed, u32::from(stage), Purpose::AZIMUTH, base as u64);
+            self.axis(base, bears[base], level, stage, &cluster, azimuth);
         }
-        self.len() > before
     }
 
     /// One axis and its branches: figure 4.

@@ -167,11 +167,11 @@ impl VariationalSynth {
             alpha: 2.5,
             beta: 2.0,
             lambda: 1.0,
-            mu: 0.1,
+            mu: 0.2,
             rounds: 6,
             least_cluster: 3,
-            prune_order: 2,
-            refinements: 4,
+            prune_order: 3,
+            refinements: 6,
             radius: Arc::new(Variational::default()),
         }
     }
@@ -196,7 +196,7 @@ impl VariationalSynth {
         self
     }
 
-    /// Sets λ, the weight of the shape (F_E), and μ, that of the botanical parameters (F_P), both in [0, 1000]; 1 and 0.1
+    /// Sets λ, the weight of the shape (F_E), and μ, that of the botanical parameters (F_P), both in [0, 1000]; 1 and 0.2
     /// by default, our choice by eye: the more μ, the more regular the tree and the less it minds its wood.
     pub fn with_weights(mut self, lambda: f32, mu: f32) -> Self {
         (self.lambda, self.mu) = (lambda, mu);
@@ -218,7 +218,7 @@ impl VariationalSynth {
     }
 
     /// Sets how often the topology is refined at most, up to 1000, and the order up to which branches are pruned, in
-    /// [1, 1000]; 4 times and 2 by default. It ends before when the energy does not fall.
+    /// [1, 1000]; 6 times and 3 by default. It ends before when the energy does not fall.
     pub fn with_refinements(mut self, times: u32, prune_order: u32) -> Self {
         (self.refinements, self.prune_order) = (times, prune_order);
         self

@@ -9,7 +9,7 @@ const LAYERS: &[&[&str]] = &[
     &["shape", "field"],
     &["skeleton"],
     &["radius", "metrics"],
-    &["guided"],
+    &["guided", "variational"],
     &["surface"],
     &["export", "preview"],
     &["presets"],
