@@ -54,7 +54,7 @@ impl Draft {
             positions: vec![root],
             parents: vec![0],
             stages: vec![0],
-            wishes: vec![Wish::default()],
+            wishes: vec![Wish::new(1.0)],
             owners: vec![0; shape_nodes],
         }
     }
@@ -135,7 +135,7 @@ impl Draft {
         for metamer in 0..metamers {
             let length = if metamer == 0 { start + step } else { step };
             let lean = if metamer == 0 && is_branch { level.angle() } else { 0.0 };
-            let wish = Wish::default().with_length(length).with_angle(f64::from(lean));
+            let wish = Wish::new(length).with_angle(f64::from(lean));
             node = self.push(from + along * (start + step * (metamer + 1) as f64), node, stage, wish);
             let bearer = node;
             let mut here = Vec::with_capacity(laterals);
@@ -145,7 +145,7 @@ impl Draft {
                 let side = x * f64::from(cos) + y * f64::from(sin);
                 let direction = along * f64::from(cos_angle) + side * f64::from(sin_angle);
                 let reach = reach(cluster, self.positions[bearer], direction).unwrap_or(step);
-                let mut wish = Wish::default().with_length(reach).with_angle(f64::from(level.angle()));
+                let mut wish = Wish::new(reach).with_angle(f64::from(level.angle()));
                 if let Some(&mate) = mates.get(lateral) {
                     wish = wish.with_turn(mate as u32, f64::from(level.turn()));
                 }
@@ -189,17 +189,33 @@ impl Draft {
         orders
     }
 
-    /// Keeps the root and the nodes that `holds` names: with a node its parent too. Shape nodes on others fall to the
-    /// root.
+    /// Takes out the internodes that have shrunk to less than a tenth of the length asked for; what sprang from them
+    /// springs from where they did.
+    pub(super) fn contract(&mut self) {
+        let length = |node: usize| self.positions[node].distance(self.positions[self.parents[node] as usize]);
+        let holds: Vec<bool> =
+            (0..self.len()).map(|node| length(node) >= 0.1 * self.wishes[node].length).collect();
+        self.keep(|node| holds[node]);
+    }
+
+    /// Keeps the root and the nodes that `holds` names; what hangs on others falls to the nearest kept node below.
     fn keep(&mut self, holds: impl Fn(usize) -> bool) {
         let mut names = vec![0_u32; self.len()];
         let mut kept = Self::new(self.positions[0], 0);
-        for node in (1..self.len()).filter(|&node| holds(node)) {
-            let parent = names[self.parents[node] as usize] as usize;
-            let mut wish = self.wishes[node];
-            wish.turn =
-                wish.turn.map(|(mate, turn)| (names[mate as usize], turn)).filter(|&(mate, _)| mate > 0);
-            names[node] = kept.push(self.positions[node], parent, self.stages[node], wish) as u32;
+        for node in 1..self.len() {
+            let parent = names[self.parents[node] as usize];
+            names[node] = parent;
+            if holds(node) {
+                let mut wish = self.wishes[node];
+                wish.turn =
+                    wish.turn.map(|(mate, turn)| (names[mate as usize], turn)).filter(|&(mate, _)| {
+                        mate > 0
+                            && mate != parent
+                            && kept.parents[mate as usize] == kept.parents[parent as usize]
+                    });
+                names[node] =
+                    kept.push(self.positions[node], parent as usize, self.stages[node], wish) as u32;
+            }
         }
         kept.owners = self.owners.iter().map(|&owner| names[owner as usize]).collect();
         *self = kept;

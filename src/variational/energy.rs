@@ -18,18 +18,17 @@ pub struct Energy {
 }
 
 /// What the botanical parameters ask of one internode: the terms of equation 8.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Wish {
-    pub(super) length: Option<f64>,
+    pub(super) length: f64,
     pub(super) angle: Option<f64>,
     pub(super) turn: Option<(u32, f64)>,
 }
 
 impl Wish {
-    /// A length, metres, finite and above 0.
-    pub fn with_length(mut self, length: f64) -> Self {
-        self.length = Some(length);
-        self
+    /// A length, metres, finite and above 0, and any direction.
+    pub fn new(length: f64) -> Self {
+        Self { length, angle: None, turn: None }
     }
 
     /// θ, the angle to the parent's internode, radians in [0, π]. Internodes that leave the root are free.
@@ -38,8 +37,8 @@ impl Wish {
         self
     }
 
-    /// φ, the turn against another internode about the axis, radians in [-2π, 2π]: `mate` is that internode's node, and
-    /// springs from the parent of this one's parent.
+    /// φ, the turn against another internode about the axis, radians in [-2π, 2π]: `mate` is that internode's node,
+    /// and another child of the parent's parent than the parent.
     pub fn with_turn(mut self, mate: u32, turn: f64) -> Self {
         self.turn = Some((mate, turn));
         self
@@ -95,19 +94,22 @@ pub fn guidance(skeleton: &Skeleton, shape: &GuidanceShape) -> Result<Energy, Pa
     Ok(energy)
 }
 
-/// F_P, equation 8, with its gradient: Σ |θ̄ - θ| + |φ̄ - φ| + |l̄ / l - 1| over what the wishes ask for.
+/// F_P, equation 8, with its gradient: what the wishes ask for and do not get, Σ l d^β (|θ̄ - θ| + |φ̄ - φ| + |l̄ / l - 1|).
 ///
-/// Angles count in radians, and differences of φ the short way around. Lengths are measured in the length asked for, so
-/// that all terms are plain numbers. O(n).
+/// Angles count in radians, differences of φ the short way around, and lengths in the length l asked for, so that all
+/// deviations are plain numbers. Unlike in the paper each internode's count as much as its wood, l d^β, by the skeleton's
+/// own diameters: that gives F_P the unit of F_I, and without it a weight that bends limbs would rule over all twigs. The
+/// root's wish is ignored. O(n).
 ///
 /// # Errors
-/// Not one wish a node, or one out of its range.
-pub fn penalty(skeleton: &Skeleton, wishes: &[Wish]) -> Result<Energy, ParameterError> {
+/// `beta` not in [0, 6], not one wish a node, or one out of its range.
+pub fn penalty(skeleton: &Skeleton, wishes: &[Wish], beta: f32) -> Result<Energy, ParameterError> {
+    ParameterError::unless((0.0..=6.0).contains(&beta), "beta", beta, "in [0, 6]")?;
     ParameterError::unless(wishes.len() == skeleton.len(), "wishes", wishes.len(), "one a node")?;
     let parents: Vec<u32> =
         (0..skeleton.len()).map(|node| skeleton.parent(node).unwrap_or(0) as u32).collect();
     for (node, wish) in wishes.iter().enumerate() {
-        let holds = wish.length.is_none_or(|length| length > 0.0 && length.is_finite());
+        let holds = wish.length > 0.0 && wish.length.is_finite();
         ParameterError::unless(holds, "Wish.length", wish.length, "finite and above 0 metres")?;
         let holds = wish.angle.is_none_or(|angle| (0.0..=std::f64::consts::PI).contains(&angle));
         ParameterError::unless(holds, "Wish.angle", wish.angle, "in [0, π] radians")?;
@@ -116,26 +118,31 @@ pub fn penalty(skeleton: &Skeleton, wishes: &[Wish]) -> Result<Energy, Parameter
             turn.abs() <= std::f64::consts::TAU
                 && (1..skeleton.len()).contains(&(mate as usize))
                 && bearer > 0
+                && mate as usize != bearer
                 && parents[mate as usize] == parents[bearer]
         });
         ParameterError::unless(
             holds,
             "Wish.turn",
             wish.turn,
-            "in [-2π, 2π] radians, against a child of the parent's parent",
+            "in [-2π, 2π] radians, against another child of the parent's parent",
         )?;
     }
     let positions: Vec<DVec3> = skeleton.positions().iter().map(|position| position.as_dvec3()).collect();
     let mut gradient = vec![DVec3::ZERO; skeleton.len()];
+    let thick = |&radius: &f32| libm::pow(2.0 * f64::from(radius), f64::from(beta));
+    let thick: Vec<f64> = skeleton.radii().iter().map(thick).collect();
     let add = |node: usize, by: DVec3| gradient[node] += by;
-    Ok(Energy { value: deviations(&positions, &parents, wishes, 0.0, add), gradient })
+    Ok(Energy { value: deviations(&positions, &parents, wishes, &thick, 0.0, add), gradient })
 }
 
-/// F_P, its gradient added up by `add`. Differences below `soft` count by their square: sqrt(x² + soft²) - soft.
+/// F_P for internodes of d^β = `thick`, its gradient added up by `add`. Differences below `soft` count by their square:
+/// sqrt(x² + soft²) - soft. What has no thickness neither counts nor is turned against.
 pub(super) fn deviations(
     positions: &[DVec3],
     parents: &[u32],
     wishes: &[Wish],
+    thick: &[f64],
     soft: f64,
     mut add: impl FnMut(usize, DVec3),
 ) -> f64 {
@@ -144,36 +151,36 @@ pub(super) fn deviations(
         let size = (x * x + soft * soft).sqrt();
         (size - soft, if size > 0.0 { x / size } else { 0.0 })
     };
+    let at = |node: usize| positions[node];
     let mut sum = 0.0;
-    for (node, wish) in wishes.iter().enumerate().skip(1) {
+    for (node, wish) in wishes.iter().enumerate().skip(1).filter(|&(node, _)| thick[node] > 0.0) {
+        let weight = wish.length * thick[node];
         let bearer = parents[node] as usize;
         let before = parents[bearer] as usize;
-        let at = |node: usize| positions[node];
-        if let Some(length) = wish.length {
-            let way = at(node) - at(bearer);
-            let (value, slope) = size(way.length() / length - 1.0);
-            let by = way.normalize_or_zero() * (slope / length);
-            sum += value;
-            add(node, by);
-            add(bearer, -by);
-        }
+        let way = at(node) - at(bearer);
+        let (value, slope) = size(way.length() / wish.length - 1.0);
+        let by = way.normalize_or_zero() * (slope * thick[node]);
+        sum += weight * value;
+        add(node, by);
+        add(bearer, -by);
         if bearer == 0 {
             continue;
         }
         if let Some(wanted) = wish.angle {
             let measured = angle(at(before), at(bearer), at(node));
             let (value, slope) = size(measured.value - wanted);
-            sum += value;
+            sum += weight * value;
             for (node, by) in [before, bearer, node].into_iter().zip(measured.gradient) {
-                add(node, by * slope);
+                add(node, by * (slope * weight));
             }
         }
-        if let Some((mate, wanted)) = wish.turn {
-            let measured = turn(at(mate as usize), at(before), at(bearer), at(node));
+        if let Some((mate, wanted)) = wish.turn.filter(|&(mate, _)| thick[mate as usize] > 0.0) {
+            let mate = mate as usize;
+            let measured = turn(at(mate), at(before), at(bearer), at(node));
             let (value, slope) = size(wrapped(measured.value - wanted));
-            sum += value;
-            for (node, by) in [mate as usize, before, bearer, node].into_iter().zip(measured.gradient) {
-                add(node, by * slope);
+            sum += weight * value;
+            for (node, by) in [mate, before, bearer, node].into_iter().zip(measured.gradient) {
+                add(node, by * (slope * weight));
             }
         }
     }

@@ -134,7 +134,7 @@ impl<'a> Model<'a> {
         }
         let mu = self.weights.mu;
         let add = |node: usize, by: DVec3| slope[node] += by * mu;
-        terms.penalty = deviations(positions, self.parents, self.wishes, soft.deviation, add);
+        terms.penalty = deviations(positions, self.parents, self.wishes, &self.thick, soft.deviation, add);
         if let Some(gradient) = gradient {
             slope[0] = DVec3::ZERO;
             *gradient = slope;
@@ -159,12 +159,10 @@ impl<'a> Model<'a> {
         let mut to_parent = vec![0.0; count];
         for node in 1..count {
             let way = positions[node] - positions[self.parents[node] as usize];
-            let mut spring = stiff(self.thick[node], way);
-            // What is asked of an internode bends and stretches it over about the length asked for.
-            if let Some(length) = self.wishes[node].length {
-                spring += self.weights.mu
-                    / (length.min(way.length()).max(soft.length) * length * 4.0 * soft.deviation);
-            }
+            // What is asked of an internode resists too, over about the length asked for.
+            let wished = self.wishes[node].length.min(way.length()).max(soft.length);
+            let spring = stiff(self.thick[node], way)
+                + self.weights.mu * self.thick[node] / (4.0 * soft.deviation * wished);
             to_parent[node] = spring;
             own[node] += spring;
         }

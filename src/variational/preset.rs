@@ -104,7 +104,12 @@ const PRESETS: &[Preset] = &[
     }),
     Preset::new("variational-12-centre", 12, "P = 0.3 and 0.5: apical control is lost early.", |count| {
         let crown = Ellipsoid::new(Vec3::Y * 6.2, Vec3::new(4.4, 3.9, 4.4));
-        tree(&crown, count, 0.45, &[axis(3, 0.3, 45.0, Spiral), axis(3, 0.5, 45.0, Spiral), twig(0.8)])
+        tree(
+            &crown,
+            count,
+            0.45,
+            &[axis(3, 0.3, 45.0, Spiral), axis(3, 0.5, 45.0, Spiral), twig(0.8), twig(0.8)],
+        )
     })
     .shape_nodes(4144),
     Preset::new(
@@ -141,7 +146,12 @@ const PRESETS: &[Preset] = &[
     }),
     Preset::new("variational-14-camphor", 14, "A camphor tree: wide, on a short stem.", |count| {
         let crown = HalfEllipsoid::new(Vec3::Y * 2.4, Vec3::new(5.6, 5.0, 5.6));
-        tree(&crown, count, 0.7, &[axis(3, 0.35, 60.0, Whorled(2)), axis(4, 0.7, 45.0, Spiral), twig(0.6)])
+        tree(
+            &crown,
+            count,
+            0.7,
+            &[axis(3, 0.35, 60.0, Whorled(2)), axis(4, 0.7, 45.0, Spiral), twig(0.8), twig(0.8)],
+        )
     }),
     Preset::new("variational-14-oak", 14, "A scarlet oak: spreading limbs at wide angles.", |count| {
         let crown = HalfEllipsoid::new(Vec3::Y * 2.6, Vec3::new(4.2, 6.4, 4.2));
@@ -186,7 +196,7 @@ fn twig(apical_control: f32) -> Level {
 /// The shape of figure 7, the same for all of its trees.
 fn dome(count: usize, trunk: Level) -> Result<VariationalSynth, ParameterError> {
     let crown = HalfEllipsoid::new(Vec3::Y * 2.5, Vec3::new(3.4, 7.0, 3.4));
-    tree(&crown, count, 0.36, &[trunk, axis(4, 0.8, 45.0, Spiral), twig(0.8)])
+    tree(&crown, count, 0.36, &[trunk, axis(4, 0.8, 45.0, Spiral), twig(0.8), twig(0.8)])
 }
 
 /// Half of the shape nodes on the crown's surface, half in it; the foot so many metres across.

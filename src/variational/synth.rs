@@ -16,9 +16,9 @@ use crate::{ParameterError, Skeleton, SkeletonError};
 
 /// Grows the tree that fills a [`GuidanceShape`] at the least cost.
 ///
-/// The cost is F = F_I + λF_E + μF_P (equation 4). Given as plain numbers, λ and μ are brought to the unit of F_I, metres
-/// to the power of 1 + β: λ times D^β, where D is the foot's diameter by equation 2, and μ times S D^β / M, where S is the
-/// way from the root to the farthest of M shape nodes. A tree twice as large therefore has the same form.
+/// The cost is F = F_I + λF_E + μF_P (equation 4), all in the unit of F_I, metres to the power of 1 + β: λ, given as a plain
+/// number, is multiplied by D^β, where D is the foot's diameter by equation 2, and [F_P](super::penalty) counts in wood. A
+/// tree twice as large therefore has the same form.
 ///
 /// Cost: O(n log n) a round, see [`with_rounds`](Self::with_rounds); about 400 bytes a shape node.
 ///
@@ -87,7 +87,7 @@ pub struct Step {
     pub structure: f64,
     /// F_E, metres, to the branch nodes on which the shape nodes hang. After an update others may be nearer.
     pub guidance: f64,
-    /// F_P.
+    /// F_P, metres to the power of 1 + β.
     pub penalty: f64,
     /// Branch nodes, the root included.
     pub branch_nodes: usize,
@@ -109,6 +109,11 @@ pub enum StepKind {
     },
     /// Hung each shape node on the nearest branch node. Within a level, F never rises.
     Partition {
+        /// The level, from 0.
+        level: usize,
+    },
+    /// Took out internodes that had shrunk to less than a tenth of the length asked for. Within a level, F never rises.
+    Contraction {
         /// The level, from 0.
         level: usize,
     },
@@ -218,7 +223,8 @@ impl VariationalSynth {
     }
 
     /// Sets how often the topology is refined at most, up to 1000, and the order up to which branches are pruned, in
-    /// [1, 1000]; 6 times and 3 by default. It ends before when the energy does not fall.
+    /// [1, 1000]; 6 times and 3 by default. It ends before when three times in a
+    /// row the energy has not fallen below the least so far.
     pub fn with_refinements(mut self, times: u32, prune_order: u32) -> Self {
         (self.refinements, self.prune_order) = (times, prune_order);
         self
@@ -323,16 +329,20 @@ impl VariationalSynth {
             observer,
             done: 0,
         };
-        let mut last = run.levels()?;
+        let mut least = run.levels()?;
         let mut best = (run.draft.clone(), run.trace.len() - 1);
+        let mut in_vain = 0;
         for _ in 0..self.refinements {
             run.refine();
             let found = run.levels()?;
-            if found >= last {
+            in_vain += 1;
+            if found < least {
+                (least, in_vain) = (found, 0);
+                best = (run.draft.clone(), run.trace.len() - 1);
+            }
+            if in_vain == PATIENCE {
                 break;
             }
-            last = found;
-            best = (run.draft.clone(), run.trace.len() - 1);
         }
         let (draft, best) = best;
         let growth = self.finish(draft, run.trace, best)?;
@@ -352,11 +362,8 @@ impl VariationalSynth {
         let foot = unit * libm::pow(flows.iter().sum(), beta / alpha);
         let root = self.root.as_dvec3();
         let size = places.iter().map(|place| place.distance(root)).fold(0.0, f64::max);
-        let weights = Weights {
-            power: beta / alpha,
-            lambda: f64::from(self.lambda) * foot,
-            mu: f64::from(self.mu) * size * foot / places.len() as f64,
-        };
+        let weights =
+            Weights { power: beta / alpha, lambda: f64::from(self.lambda) * foot, mu: f64::from(self.mu) };
         let nodes = Nodes {
             costs: diameters.iter().map(|&d| libm::pow(d, beta)).collect(),
             shares: diameters.iter().map(|&d| d / sum).collect(),
@@ -428,6 +435,9 @@ impl Run<'_> {
             total = self.note(StepKind::Initialization { level }, terms);
             total = self.settle(level, total);
             self.draft.drop_idle();
+            let mut next = self.draft.clone();
+            next.contract();
+            total = self.accept(StepKind::Contraction { level }, next, total).unwrap_or(total);
         }
         Ok(total)
     }
@@ -444,19 +454,24 @@ impl Run<'_> {
                 } else {
                     next.partition(&self.nodes.places);
                 }
-                let terms = self.terms(&next);
-                // Rounding off the kinks, and moving loads among branches, may cost more than they save.
-                if terms.total(&self.weights) > total {
-                    return total;
-                }
-                self.draft = next;
-                total = self.note(kind, terms);
+                let Some(found) = self.accept(kind, next, total) else { return total };
+                total = found;
             }
             if before - total < 1e-3 * before {
                 break;
             }
         }
         total
+    }
+
+    /// Takes `next` if it costs no more than `total`: rounding off the kinks, and moving loads among branches, may cost
+    /// more than they save.
+    fn accept(&mut self, kind: StepKind, next: Draft, total: f64) -> Option<f64> {
+        let terms = self.terms(&next);
+        (terms.total(&self.weights) <= total).then(|| {
+            self.draft = next;
+            self.note(kind, terms)
+        })
     }
 
     fn refine(&mut self) {
@@ -469,3 +484,6 @@ impl Run<'_> {
 
 /// Quasi-Newton steps of one update, at most.
 const STEPS: u32 = 20;
+
+/// Refinements in a row that may bring nothing: local minima go up and down (section 6, figure 10).
+const PATIENCE: u32 = 3;

@@ -18,3 +18,4 @@ mod refinement;
 mod sample;
 mod stability;
 mod surface;
+mod variational;
