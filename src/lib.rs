@@ -64,6 +64,7 @@ pub mod skeleton;
 pub mod surface;
 #[cfg(feature = "testing")]
 pub mod testing;
+pub mod variational;
 
 pub use field::VectorField;
 pub use glam;

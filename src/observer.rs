@@ -62,6 +62,8 @@ pub enum Work {
     },
     /// The radii are being worked out.
     Radii,
+    /// Branches are being optimized to fill a shape.
+    Optimization,
 }
 
 impl<F: Fn(Progress) -> ControlFlow<()> + Sync> Observer for F {

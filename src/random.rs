@@ -31,6 +31,10 @@ impl Purpose {
     pub const MARKERS: Self = Self(8);
     /// What distinguishes a leaf from its neighbours, and which leaves fall.
     pub const LEAVES: Self = Self(16);
+    /// Where the nodes of a guidance shape lie.
+    pub const SHAPE_NODES: Self = Self(40);
+    /// How the first branches of an axis are turned about it.
+    pub const AZIMUTH: Self = Self(41);
     /// The first purpose that the crate itself never uses.
     pub const CUSTOM: Self = Self(1 << 16);
 }

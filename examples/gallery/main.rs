@@ -3,6 +3,7 @@
 //!     cargo run --release --example gallery -- [--nodes N] [--out DIR] [--size PIXELS] [--only TEXT]
 
 mod plane;
+mod shapes;
 mod stands;
 
 use base64::Engine;
@@ -79,7 +80,7 @@ fn main() -> Result<(), Failure> {
         let sheet = Picture::sheet(&pictures, 5, 6, [255, 255, 255])?;
         write(&options.out.join("sheet-stands.png"), &sheet)?;
     }
-    Ok(())
+    shapes::draw_all(&options)
 }
 
 /// Small pictures of a few presets on one sheet, which the documentation of the crate carries within itself.

@@ -48,7 +48,9 @@ pub enum SurfaceError {
         nodes: usize,
     },
     /// The closed surface needs more blocks of voxels than were allowed.
-    #[error("more than {most} blocks would be needed at a finest voxel of {voxel} m; use a larger one or allow more")]
+    #[error(
+        "more than {most} blocks would be needed at a finest voxel of {voxel} m; use a larger one or allow more"
+    )]
     TooManyBlocks {
         /// The side of the finest voxels, metres.
         voxel: f32,

@@ -21,3 +21,4 @@ mod refinement;
 mod sample;
 mod stability;
 mod surface;
+mod variational;

@@ -94,6 +94,17 @@ fn trees_do_not_depend_on_the_threads() {
     }
 }
 
+/// Enough shape nodes that several threads have a part in each step.
+#[test]
+fn trees_in_shapes_are_the_same_as_ever() {
+    let preset = treesynth::variational::by_name("variational-14-oak").expect("a preset");
+    let synth = preset.synth(6_000).expect("a shape");
+    let grow = || tree_hash(&synth.synthesize(preset.seed).expect("a tree"));
+    let hashes = at_thread_counts(grow);
+    all_the_same(&hashes, preset.name);
+    assert_eq!(hashes[0], 0);
+}
+
 #[test]
 fn the_seed_matters() {
     let synth = presets::by_name("figure-06c").expect("a preset").synth(3000);

@@ -76,14 +76,22 @@ impl Bricks {
     pub(super) fn new(field: &Field, levels: &[u8], voxel: f32, most: usize) -> Result<Self, SurfaceError> {
         let bounds = field.segments.iter().fold(Bounds::EMPTY, |bounds, segment| {
             let reach = field.reach(segment);
-            segment.ends().into_iter().fold(bounds, |bounds, end| {
-                bounds.union(Bounds::around(end, Vec3::splat(reach + voxel)))
-            })
+            segment
+                .ends()
+                .into_iter()
+                .fold(bounds, |bounds, end| bounds.union(Bounds::around(end, Vec3::splat(reach + voxel))))
         });
         let side = bounds.size().max_element();
         let top = (0..30).find(|&top| voxel * (4u32 << top) as f32 >= side).unwrap_or(29);
         let origin = bounds.min;
-        let mut all = Self { nodes: vec![Node::Empty(false)], bricks: Vec::new(), near: Vec::new(), origin, voxel, top };
+        let mut all = Self {
+            nodes: vec![Node::Empty(false)],
+            bricks: Vec::new(),
+            near: Vec::new(),
+            origin,
+            voxel,
+            top,
+        };
         // Cubes of one size: each one's node and corner, and where its parent's primitives are.
         let mut cubes = vec![(0u32, IVec3::ZERO, 0usize)];
         let mut lists = vec![(0..field.segments.len() as u32).collect::<Vec<_>>()];

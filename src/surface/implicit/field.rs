@@ -111,10 +111,7 @@ impl Field {
         let change = segment.growth.abs() * segment.inverse.sqrt() * reach;
         let thick = (radius + change).min(segment.thickest());
         let thin = (radius - change).max(segment.thinnest());
-        (
-            self.value_at((distance + reach) / thin),
-            self.value_at((distance - reach).max(0.0) / thick),
-        )
+        (self.value_at((distance + reach) / thin), self.value_at((distance - reach).max(0.0) / thick))
     }
 
     /// Field values less 1 at points in rows: `value[i] = F(start + step · i)` for i = 4 · 4 · 4 numbers of steps along

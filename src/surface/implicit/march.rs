@@ -120,7 +120,11 @@ impl<'a> Surroundings<'a> {
                 let outward = if ends[0] > 0.0 { way } else { -way };
                 return Some((point, (-slope).normalize_or(outward.normalize_or(Vec3::Y))));
             }
-            if (value > 0.0) == (ends[0] > 0.0) { low = t } else { high = t }
+            if (value > 0.0) == (ends[0] > 0.0) {
+                low = t
+            } else {
+                high = t
+            }
             let newton = t - value / along;
             t = if newton > low && newton < high { newton } else { 0.5 * (low + high) };
             last += 1;
@@ -137,7 +141,8 @@ impl<'a> Surroundings<'a> {
         }
         for corner in 0..125 {
             let at = IVec3::new(corner % 5, corner / 5 % 5, corner / 25);
-            let cell = |i: u8| at - IVec3::new(i32::from(!i & 1), i32::from(!i >> 1 & 1), i32::from(!i >> 2 & 1));
+            let cell =
+                |i: u8| at - IVec3::new(i32::from(!i & 1), i32::from(!i >> 1 & 1), i32::from(!i >> 2 & 1));
             let case = (0..8).fold(0, |case, i| {
                 let cell = cell(i) + 1;
                 case | usize::from(inside[(cell.x + 6 * cell.y + 36 * cell.z) as usize]) << i
@@ -219,7 +224,11 @@ pub(super) fn march(field: &Field, bricks: &Bricks) -> Mesh {
 }
 
 /// Has threads make parts of some blocks each, and joins the parts in the blocks' order before they are too many.
-fn in_groups<T: Default + Send>(count: usize, add: impl Fn(u32, &mut T) + Sync + Send, mut join: impl FnMut(T)) {
+fn in_groups<T: Default + Send>(
+    count: usize,
+    add: impl Fn(u32, &mut T) + Sync + Send,
+    mut join: impl FnMut(T),
+) {
     for start in (0..count).step_by(GROUP * HELD) {
         let groups = (count - start).div_ceil(GROUP).min(HELD);
         let parts = parallel::map(groups, |group| {

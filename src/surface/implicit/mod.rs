@@ -64,7 +64,8 @@ impl Implicit {
     /// todo
     pub fn mesh(&self, skeleton: &Skeleton) -> Result<Mesh, SurfaceError> {
         self.check()?;
-        let thinnest = skeleton.radii().iter().copied().filter(|&radius| radius > 0.0).fold(f32::INFINITY, f32::min);
+        let thinnest =
+            skeleton.radii().iter().copied().filter(|&radius| radius > 0.0).fold(f32::INFINITY, f32::min);
         if thinnest == f32::INFINITY {
             return Err(SurfaceError::NoRadii { nodes: skeleton.len() });
         }
@@ -74,8 +75,11 @@ impl Implicit {
         ParameterError::unless(voxel >= finest && voxel.is_finite(), "Implicit.voxel", voxel, &range)?;
         let field = Field::new(skeleton, voxel, self.blend);
         let detail = self.detail;
-        let level = |radius: f32| (1..30u32).take_while(move |&level| voxel * (1u32 << level) as f32 * detail <= radius);
-        let levels: Vec<u8> = field.segments.iter().map(|segment| level(segment.thinnest()).count() as u8).collect();
+        let level = |radius: f32| {
+            (1..30u32).take_while(move |&level| voxel * (1u32 << level) as f32 * detail <= radius)
+        };
+        let levels: Vec<u8> =
+            field.segments.iter().map(|segment| level(segment.thinnest()).count() as u8).collect();
         let bricks = Bricks::new(&field, &levels, voxel, self.most_blocks)?;
         let t = std::time::Instant::now();
         let m = march::march(&field, &bricks);
@@ -87,8 +91,18 @@ impl Implicit {
         let voxel = self.voxel.unwrap_or(1.0);
         let holds = voxel > 0.0 && voxel.is_finite();
         ParameterError::unless(holds, "Implicit.voxel", voxel, "above 0 m and finite")?;
-        ParameterError::unless((1.0..=64.0).contains(&self.detail), "Implicit.detail", self.detail, "1 to 64")?;
-        ParameterError::unless((0.01..=2.0).contains(&self.blend), "Implicit.blend", self.blend, "0.01 to 2")?;
+        ParameterError::unless(
+            (1.0..=64.0).contains(&self.detail),
+            "Implicit.detail",
+            self.detail,
+            "1 to 64",
+        )?;
+        ParameterError::unless(
+            (0.01..=2.0).contains(&self.blend),
+            "Implicit.blend",
+            self.blend,
+            "0.01 to 2",
+        )?;
         let holds = (1..=100_000_000).contains(&self.most_blocks);
         ParameterError::unless(holds, "Implicit.most_blocks", self.most_blocks, "1 to 100 million")
     }

@@ -1,0 +1,238 @@
+//! A tree in the making: branch nodes, what is asked of them, and the shape nodes they carry.
+
+use glam::DVec3;
+
+use super::energy::Wish;
+use super::level::Level;
+use super::nearest::nearest;
+use crate::math::sin_cos;
+use crate::random::{Purpose, unit};
+
+/// Branch nodes come parents before children, the root first; every shape node hangs on one of them.
+#[derive(Debug, Clone)]
+pub(super) struct Draft {
+    pub(super) positions: Vec<DVec3>,
+    /// The root's is 0.
+    pub(super) parents: Vec<u32>,
+    /// The level in which each node was made, one more for branches than for the axis that bears them.
+    pub(super) stages: Vec<u16>,
+    pub(super) wishes: Vec<Wish>,
+    /// For each shape node the branch node it hangs on.
+    pub(super) owners: Vec<u32>,
+}
+
+/// Items in lists, by the number of the list each belongs to.
+pub(super) struct Lists {
+    pub(super) starts: Vec<u32>,
+    pub(super) items: Vec<u32>,
+}
+
+impl Lists {
+    /// Ascending within each list. O(n).
+    pub(super) fn new(lists: usize, of: &[u32]) -> Self {
+        let mut starts = vec![0; lists + 1];
+        of.iter().for_each(|&list| starts[list as usize + 1] += 1);
+        (0..lists).for_each(|list| starts[list + 1] += starts[list]);
+        let mut next = starts.clone();
+        let mut items = vec![0; of.len()];
+        for (item, &list) in (0_u32..).zip(of) {
+            items[next[list as usize] as usize] = item;
+            next[list as usize] += 1;
+        }
+        Self { starts, items }
+    }
+
+    pub(super) fn of(&self, list: usize) -> &[u32] {
+        &self.items[self.starts[list] as usize..self.starts[list + 1] as usize]
+    }
+}
+
+impl Draft {
+    /// A root with all shape nodes.
+    pub(super) fn new(root: DVec3, shape_nodes: usize) -> Self {
+        Self {
+            positions: vec![root],
+            parents: vec![0],
+            stages: vec![0],
+            wishes: vec![Wish::new(1.0)],
+            owners: vec![0; shape_nodes],
+        }
+    }
+
+    pub(super) fn len(&self) -> usize {
+        self.positions.len()
+    }
+
+    fn push(&mut self, position: DVec3, parent: usize, stage: u16, wish: Wish) -> usize {
+        self.positions.push(position);
+        self.parents.push(parent as u32);
+        self.stages.push(stage);
+        self.wishes.push(wish);
+        self.len() - 1
+    }
+
+    /// "Structure initialization" (section 4.2): on every branch node of an earlier stage with at least `least` shape nodes
+    /// an axis of `level`, towards the middle of these. The first level is the trunk's.
+    pub(super) fn initialize(
+        &mut self,
+        level: &Level,
+        stage: u16,
+        least: usize,
+        places: &[DVec3],
+        seed: u64,
+    ) {
+        let before = self.len();
+        let clusters = Lists::new(before, &self.owners);
+        let mut bears = vec![false; before];
+        self.parents.iter().skip(1).for_each(|&parent| bears[parent as usize] = true);
+        let suits = |node: usize| {
+            if stage == 0 {
+                !bears[0]
+            } else {
+                self.stages[node] <= stage && clusters.of(node).len() >= least
+            }
+        };
+        let bases: Vec<usize> = (0..before).filter(|&node| suits(node)).collect();
+        for base in bases {
+            let cluster: Vec<DVec3> = clusters.of(base).iter().map(|&i| places[i as usize]).collect();
+            let azimuth = std::f32::consts::TAU * unit(seed, u32::from(stage), Purpose::AZIMUTH, base as u64);
+            self.axis(base, bears[base], level, stage, &cluster, azimuth);
+        }
+    }
+
+    /// One axis and its branches: figure 4.
+    fn axis(
+        &mut self,
+        base: usize,
+        is_branch: bool,
+        level: &Level,
+        stage: u16,
+        cluster: &[DVec3],
+        azimuth: f32,
+    ) {
+        let from = self.positions[base];
+        let incoming = (from - self.positions[self.parents[base] as usize]).normalize_or(DVec3::Y);
+        let middle = cluster.iter().map(|&place| place - from).sum::<DVec3>();
+        let along = middle.normalize_or(incoming);
+        let (low, high) = cluster
+            .iter()
+            .map(|&place| (place - from).dot(along))
+            .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), reach| (low.min(reach), high.max(reach)));
+        let end = f64::from(level.apical_control()) * high.max(1e-3 * middle.length() / cluster.len() as f64);
+        // Below the shape the axis is bare, but at most half of it.
+        let start = low.clamp(0.0, 0.5 * end);
+        // No more branches than shape nodes.
+        let laterals = (level.laterals() as usize).min(cluster.len() - 1).max(1);
+        let metamers = (cluster.len() / (1 + laterals)).clamp(1, level.metamers() as usize);
+        let step = (end - start) / metamers as f64;
+        if step <= 0.0 {
+            return;
+        }
+        let (x, y) = along.any_orthonormal_pair();
+        let (sin_angle, cos_angle) = sin_cos(level.angle());
+        let mut node = base;
+        let mut mates: Vec<usize> = Vec::new();
+        for metamer in 0..metamers {
+            let length = if metamer == 0 { start + step } else { step };
+            let lean = if metamer == 0 && is_branch { level.angle() } else { 0.0 };
+            let wish = Wish::new(length).with_angle(f64::from(lean));
+            node = self.push(from + along * (start + step * (metamer + 1) as f64), node, stage, wish);
+            let bearer = node;
+            let mut here = Vec::with_capacity(laterals);
+            for lateral in 0..laterals {
+                let around = std::f32::consts::TAU * lateral as f32 / laterals as f32;
+                let (sin, cos) = sin_cos(azimuth + level.turn() * metamer as f32 + around);
+                let side = x * f64::from(cos) + y * f64::from(sin);
+                let direction = along * f64::from(cos_angle) + side * f64::from(sin_angle);
+                let reach = reach(cluster, self.positions[bearer], direction).unwrap_or(step);
+                let mut wish = Wish::new(reach).with_angle(f64::from(level.angle()));
+                if let Some(&mate) = mates.get(lateral) {
+                    wish = wish.with_turn(mate as u32, f64::from(level.turn()));
+                }
+                let place = self.positions[bearer] + direction * reach;
+                here.push(self.push(place, bearer, stage + 1, wish));
+            }
+            mates = here;
+        }
+    }
+
+    /// Hangs every shape node on the branch node nearest to it (section 4.2, "Shape partition").
+    pub(super) fn partition(&mut self, places: &[DVec3]) {
+        self.owners = nearest(&self.positions, places);
+    }
+
+    /// Takes away the nodes that carry no shape node, not even through others.
+    pub(super) fn drop_idle(&mut self) {
+        let orders = self.orders();
+        self.keep(|node| orders[node] > 0);
+    }
+
+    /// "Topology refinement" (section 4.3): takes away the nodes of at most `order`, and hangs what they carried on the
+    /// nearest of what is left.
+    pub(super) fn prune(&mut self, order: u32, places: &[DVec3]) {
+        let orders = self.orders();
+        self.keep(|node| orders[node] > order);
+        self.partition(places);
+    }
+
+    /// "The order of a given node to be the maximal steps connecting shape nodes": 1 where all that it carries are
+    /// shape nodes, 0 where it carries none.
+    pub(super) fn orders(&self) -> Vec<u32> {
+        let mut orders = vec![0; self.len()];
+        self.owners.iter().for_each(|&owner| orders[owner as usize] = 1);
+        for node in (1..self.len()).rev() {
+            if orders[node] > 0 {
+                let parent = self.parents[node] as usize;
+                orders[parent] = orders[parent].max(orders[node] + 1);
+            }
+        }
+        orders
+    }
+
+    /// Takes out the internodes that have shrunk to less than a tenth of the length asked for; what sprang from them
+    /// springs from where they did.
+    pub(super) fn contract(&mut self) {
+        let length = |node: usize| self.positions[node].distance(self.positions[self.parents[node] as usize]);
+        let holds: Vec<bool> =
+            (0..self.len()).map(|node| length(node) >= 0.1 * self.wishes[node].length).collect();
+        self.keep(|node| holds[node]);
+    }
+
+    /// Keeps the root and the nodes that `holds` names; what hangs on others falls to the nearest kept node below.
+    fn keep(&mut self, holds: impl Fn(usize) -> bool) {
+        let mut names = vec![0_u32; self.len()];
+        let mut kept = Self::new(self.positions[0], 0);
+        for node in 1..self.len() {
+            let parent = names[self.parents[node] as usize];
+            names[node] = parent;
+            if holds(node) {
+                let mut wish = self.wishes[node];
+                wish.turn =
+                    wish.turn.map(|(mate, turn)| (names[mate as usize], turn)).filter(|&(mate, _)| {
+                        mate > 0
+                            && mate != parent
+                            && kept.parents[mate as usize] == kept.parents[parent as usize]
+                    });
+                names[node] =
+                    kept.push(self.positions[node], parent as usize, self.stages[node], wish) as u32;
+            }
+        }
+        kept.owners = self.owners.iter().map(|&owner| names[owner as usize]).collect();
+        *self = kept;
+    }
+}
+
+/// How far the places ahead are on average, within 60° of `direction`; `None` if there are none.
+fn reach(places: &[DVec3], from: DVec3, direction: DVec3) -> Option<f64> {
+    let mut count = 0_u32;
+    let mut sum = 0.0;
+    for &place in places {
+        let way = place - from;
+        let ahead = way.dot(direction);
+        if ahead > 0.0 && ahead * ahead > 0.25 * way.length_squared() {
+            count += 1;
+            sum += ahead;
+        }
+    }
+    (count > 0).then(|| sum / f64::from(count))
+}

@@ -1,0 +1,184 @@
+//! The whole energy of a draft: equation 4 on branch nodes and the shape nodes they carry.
+
+use glam::DVec3;
+
+use super::draft::{Draft, Lists};
+use super::energy::{Wish, deviations};
+use crate::parallel;
+
+/// The exponents and weights of the energy, in the units of the shape.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Weights {
+    /// β over α: the power of a flow d^α that gives d^β.
+    pub(super) power: f64,
+    pub(super) lambda: f64,
+    pub(super) mu: f64,
+}
+
+/// The shape nodes in double precision.
+pub(super) struct Nodes {
+    pub(super) places: Vec<DVec3>,
+    /// d^α, where d is in units of the largest diameter.
+    pub(super) flows: Vec<f64>,
+    /// d^β, in metres to the power of β.
+    pub(super) costs: Vec<f64>,
+    /// d / Σ d.
+    pub(super) shares: Vec<f64>,
+    /// d^β of a flow of 1.
+    pub(super) unit: f64,
+}
+
+/// The three terms of equation 4, before they are weighted.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Terms {
+    pub(super) structure: f64,
+    pub(super) guidance: f64,
+    pub(super) penalty: f64,
+}
+
+impl Terms {
+    pub(super) fn total(&self, weights: &Weights) -> f64 {
+        self.structure + weights.lambda * self.guidance + weights.mu * self.penalty
+    }
+}
+
+/// How the kinks of the energy are rounded off, so that it has a slope everywhere.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Soft {
+    /// Lengths are sqrt(l² + soft²), metres.
+    pub(super) length: f64,
+    /// Deviations are sqrt(x² + soft²) - soft.
+    pub(super) deviation: f64,
+}
+
+impl Soft {
+    /// Not at all.
+    pub(super) const NONE: Self = Self { length: 0.0, deviation: 0.0 };
+}
+
+/// Branch nodes that one task looks after.
+const CHUNK: usize = 1024;
+
+/// The energy of a draft whose topology and partition stand, as a function of its nodes' positions.
+pub(super) struct Model<'a> {
+    nodes: &'a Nodes,
+    weights: Weights,
+    parents: &'a [u32],
+    wishes: &'a [Wish],
+    carried: Lists,
+    /// d^β of each branch node's internode.
+    pub(super) thick: Vec<f64>,
+}
+
+impl<'a> Model<'a> {
+    pub(super) fn new(draft: &'a Draft, nodes: &'a Nodes, weights: Weights) -> Self {
+        let mut flows = vec![0.0; draft.len()];
+        for (&owner, flow) in draft.owners.iter().zip(&nodes.flows) {
+            flows[owner as usize] += flow;
+        }
+        for node in (1..draft.len()).rev() {
+            flows[draft.parents[node] as usize] += flows[node];
+        }
+        let thick = |&flow: &f64| if flow > 0.0 { nodes.unit * libm::pow(flow, weights.power) } else { 0.0 };
+        Self {
+            nodes,
+            weights,
+            parents: &draft.parents,
+            wishes: &draft.wishes,
+            carried: Lists::new(draft.len(), &draft.owners),
+            thick: flows.iter().map(thick).collect(),
+        }
+    }
+
+    /// The terms; with `gradient`, the slope of their weighted sum as well, zero at the root, which stays.
+    pub(super) fn terms(&self, positions: &[DVec3], soft: Soft, gradient: Option<&mut Vec<DVec3>>) -> Terms {
+        let square = soft.length * soft.length;
+        let carried = |chunk: usize| {
+            let nodes = chunk * CHUNK..((chunk + 1) * CHUNK).min(positions.len());
+            let (mut structure, mut guidance) = (0.0, 0.0);
+            let pulls = nodes.map(|node| {
+                let mut pull = DVec3::ZERO;
+                for &item in self.carried.of(node) {
+                    let item = item as usize;
+                    let way = positions[node] - self.nodes.places[item];
+                    let length = (way.length_squared() + square).sqrt();
+                    let (cost, share) = (self.nodes.costs[item], self.nodes.shares[item]);
+                    structure += cost * length;
+                    guidance += share * length;
+                    if length > 0.0 {
+                        pull += way * ((cost + self.weights.lambda * share) / length);
+                    }
+                }
+                pull
+            });
+            let pulls: Vec<DVec3> = pulls.collect();
+            (structure, guidance, pulls)
+        };
+        let mut terms = Terms { structure: 0.0, guidance: 0.0, penalty: 0.0 };
+        let mut slope: Vec<DVec3> = Vec::with_capacity(positions.len());
+        for (structure, guidance, pulls) in parallel::map(positions.len().div_ceil(CHUNK), carried) {
+            terms.structure += structure;
+            terms.guidance += guidance;
+            slope.extend(pulls);
+        }
+        for node in 1..positions.len() {
+            let parent = self.parents[node] as usize;
+            let way = positions[node] - positions[parent];
+            let length = (way.length_squared() + square).sqrt();
+            terms.structure += self.thick[node] * length;
+            if length > 0.0 {
+                let pull = way * (self.thick[node] / length);
+                slope[node] += pull;
+                slope[parent] -= pull;
+            }
+        }
+        let mu = self.weights.mu;
+        let add = |node: usize, by: DVec3| slope[node] += by * mu;
+        terms.penalty = deviations(positions, self.parents, self.wishes, &self.thick, soft.deviation, add);
+        if let Some(gradient) = gradient {
+            slope[0] = DVec3::ZERO;
+            *gradient = slope;
+        }
+        terms
+    }
+
+    /// Solves for the step of all branch nodes that Weiszfeld's method would make for `slope`: each length in the energy
+    /// is taken for a spring as stiff as its pull over its length. The springs form a tree, so that one pass to the root
+    /// and one back solve it exactly. O(n).
+    pub(super) fn spring_step(&self, positions: &[DVec3], soft: Soft, slope: &[DVec3]) -> Vec<DVec3> {
+        let count = positions.len();
+        let stiff = |pull: f64, way: DVec3| pull / (way.length_squared() + soft.length * soft.length).sqrt();
+        let mut own: Vec<f64> = (0..count)
+            .map(|node| {
+                let carried = self.carried.of(node).iter().map(|&item| item as usize);
+                let pull =
+                    |item: usize| self.nodes.costs[item] + self.weights.lambda * self.nodes.shares[item];
+                carried.map(|item| stiff(pull(item), positions[node] - self.nodes.places[item])).sum()
+            })
+            .collect();
+        let mut to_parent = vec![0.0; count];
+        for node in 1..count {
+            let way = positions[node] - positions[self.parents[node] as usize];
+            // What is asked of an internode resists too, over about the length asked for.
+            let wished = self.wishes[node].length.min(way.length()).max(soft.length);
+            let spring = stiff(self.thick[node], way)
+                + self.weights.mu * self.thick[node] / (4.0 * soft.deviation * wished);
+            to_parent[node] = spring;
+            own[node] += spring;
+        }
+        let mut right = slope.to_vec();
+        for node in (1..count).rev() {
+            let parent = self.parents[node] as usize;
+            own[node] = own[node].max(f64::MIN_POSITIVE);
+            let share = to_parent[node] / own[node];
+            own[parent] += to_parent[node] * (1.0 - share);
+            let passed = right[node] * share;
+            right[parent] += passed;
+        }
+        let mut step = vec![DVec3::ZERO; count];
+        for node in 1..count {
+            step[node] = (right[node] + step[self.parents[node] as usize] * to_parent[node]) / own[node];
+        }
+        step
+    }
+}
