@@ -13,9 +13,10 @@ const PLACED: &str = "leaves placed";
 const WRITTEN: &str = "GLB written to memory";
 const COPIED: &str = "as many bytes copied";
 const DRAWN: &str = "preview of 900 x 900";
+const DRAWN_BY_TWO: &str = "preview of 900 x 900, two threads";
 
 /// What is wanted, milliseconds.
-const GOALS: [(&str, f64); 3] = [(PLACED, 10.0), (WRITTEN, 30.0), (DRAWN, 1000.0)];
+const GOALS: [(&str, f64); 4] = [(PLACED, 10.0), (WRITTEN, 30.0), (DRAWN, 1000.0), (DRAWN_BY_TWO, 1000.0)];
 
 fn main() {
     measure::single_thread();
@@ -45,6 +46,10 @@ fn main() {
         samples.time(bencher, COPIED, || target.copy_from_slice(&glb));
     });
     group.bench_function(DRAWN, |bencher| samples.time(bencher, DRAWN, || preview.draw_parts(&parts)));
+    let two = rayon::ThreadPoolBuilder::new().num_threads(2).build().expect("threads can be started");
+    group.bench_function(DRAWN_BY_TWO, |bencher| {
+        samples.time(bencher, DRAWN_BY_TWO, || two.install(|| preview.draw_parts(&parts)));
+    });
     group.finish();
     criterion.final_summary();
 
@@ -56,7 +61,7 @@ fn main() {
         leaves.leaf.mesh().triangles().len(),
         count(glb.len()),
     );
-    let rows: Vec<Vec<String>> = [PLACED, WRITTEN, COPIED, DRAWN]
+    let rows: Vec<Vec<String>> = [PLACED, WRITTEN, COPIED, DRAWN, DRAWN_BY_TWO]
         .iter()
         .filter_map(|name| {
             let goal = GOALS.iter().find(|(named, _)| named == name);

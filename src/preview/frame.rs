@@ -8,11 +8,14 @@ use super::light::{Light, Seen};
 use super::raster;
 use super::{Placed, Preview};
 use crate::math;
+use crate::parallel;
 use glam::{Vec2, Vec3, Vec3Swizzles};
 use std::ops::Range;
 
 /// Rows of pixels in a strip: its samples stay in the cache.
 const STRIP: usize = 24;
+/// Groups of strips that are drawn side by side. Each remembers shades of its own.
+const GROUPS: usize = 4;
 /// No triangle.
 const NOTHING: u32 = u32::MAX;
 /// Triangles lower than this many samples are thin.
@@ -144,27 +147,44 @@ impl<'a> Frame<'a> {
         (self.starts, self.members) = (starts, members);
     }
 
-    /// Draws everything; `pixels` are the rows of a picture, `alpha` too if it has any.
+    /// Draws everything; `pixels` are the rows of a picture, `alpha` too if it has any. On several threads, with the
+    /// feature `parallel`, each of which draws every fourth strip.
     pub(super) fn draw(&self, pixels: &mut [[u8; 3]], alpha: &mut [u8]) {
-        let width = self.preview.width as usize;
-        let tones = Tones::new();
-        let mut strip = Strip::new(self.columns, STRIP * self.samples, width * STRIP);
-        let mut shades = Shades::new(self.facets.len(), self.parts);
-        for (index, rows) in pixels.chunks_mut(width * STRIP).enumerate() {
-            let height = rows.len() / width;
-            strip.clear(index * STRIP * self.samples, height * self.samples);
-            let members = &self.members[self.starts[index]..self.starts[index + 1]];
-            self.fill(members, &mut strip);
-            self.strew(members, &mut strip, &mut shades);
-            for (i, pixel) in rows.iter_mut().enumerate() {
-                let place = (i % width, i / width);
-                let (color, covered) = self.pixel(&strip, &mut shades, place, index * STRIP);
-                *pixel = tones.of(color / covered.max(1e-6), (i % width, index * STRIP + i / width));
-                if let Some(alpha) = alpha.get_mut(index * STRIP * width + i) {
-                    *alpha = (covered.clamp(0.0, 1.0) * 255.0 + 0.5) as u8;
+        let size = self.preview.width as usize * STRIP;
+        let groups = parallel::map(GROUPS, |group| self.draw_strips(group));
+        let mut drawn: Vec<_> = groups.into_iter().map(Vec::into_iter).collect();
+        for (index, rows) in pixels.chunks_mut(size).enumerate() {
+            let strip = drawn[index % GROUPS].next().into_iter().flatten();
+            for (i, (pixel, (color, opacity))) in rows.iter_mut().zip(strip).enumerate() {
+                *pixel = color;
+                if let Some(alpha) = alpha.get_mut(index * size + i) {
+                    *alpha = opacity;
                 }
             }
         }
+    }
+
+    /// The pixels of every [`GROUPS`]th strip, and how opaque they are.
+    fn draw_strips(&self, first: usize) -> Vec<Vec<([u8; 3], u8)>> {
+        let (width, height) = (self.preview.width as usize, self.preview.height as usize);
+        let tones = Tones::new();
+        let mut strip = Strip::new(self.columns, STRIP * self.samples, width * STRIP);
+        let mut shades = Shades::new(self.facets.len(), self.parts);
+        let draw = |index: usize| {
+            let rows = STRIP.min(height - index * STRIP);
+            strip.clear(index * STRIP * self.samples, rows * self.samples);
+            let members = &self.members[self.starts[index]..self.starts[index + 1]];
+            self.fill(members, &mut strip);
+            self.strew(members, &mut strip, &mut shades);
+            let mut pixel = |i: usize| {
+                let place = (i % width, i / width);
+                let (color, covered) = self.pixel(&strip, &mut shades, place, index * STRIP);
+                let color = tones.of(color / covered.max(1e-6), (i % width, index * STRIP + i / width));
+                (color, (covered.clamp(0.0, 1.0) * 255.0 + 0.5) as u8)
+            };
+            (0..width * rows).map(&mut pixel).collect()
+        };
+        (first..height.div_ceil(STRIP)).step_by(GROUPS).map(draw).collect()
     }
 
     fn fill(&self, members: &[u32], strip: &mut Strip) {
