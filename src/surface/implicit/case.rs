@@ -32,7 +32,11 @@ fn faces() -> [[u8; 4]; 6] {
         let (axis, side) = (face / 2, (face % 2) as u8);
         let (u, v) = (1 << ((axis + 1) % 3), 1 << ((axis + 2) % 3));
         let base = side << axis;
-        if side == 1 { [base, base | u, base | u | v, base | v] } else { [base, base | v, base | u | v, base | u] }
+        if side == 1 {
+            [base, base | u, base | u | v, base | v]
+        } else {
+            [base, base | v, base | u | v, base | u]
+        }
     })
 }
 
@@ -123,7 +127,9 @@ mod tests {
     fn one_corner_faces_outward() {
         for corner in 0..8u8 {
             let [triangle] = CASES[1 << corner as usize][..] else { panic!("one triangle around {corner}") };
-            let place = |corner: u8| glam::Vec3::new((corner & 1) as f32, (corner >> 1 & 1) as f32, (corner >> 2) as f32);
+            let place = |corner: u8| {
+                glam::Vec3::new((corner & 1) as f32, (corner >> 1 & 1) as f32, (corner >> 2) as f32)
+            };
             let [a, b, c] = triangle.map(|edge| {
                 let [low, high] = EDGES[edge as usize];
                 (place(low) + place(high)) / 2.0

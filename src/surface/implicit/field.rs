@@ -1,7 +1,7 @@
 //! The implicit field: skeletal primitives, joined along branches and blended between them.
 
-use super::super::SurfaceError;
 use crate::Skeleton;
+use crate::surface::SurfaceError;
 use glam::Vec3;
 
 /// Farther out or thicker than this, in metres, products of coordinates leave the range of 32-bit floats.
@@ -111,14 +111,11 @@ impl Field {
         let change = segment.growth.abs() * segment.inverse.sqrt() * reach;
         let thick = (radius + change).min(segment.thickest());
         let thin = (radius - change).max(segment.thinnest());
-        (
-            self.value_at((distance + reach) / thin),
-            self.value_at((distance - reach).max(0.0) / thick),
-        )
+        (self.value_at((distance + reach) / thin), self.value_at((distance - reach).max(0.0) / thick))
     }
 
-    /// Field values less 1 at points in rows: `value[i] = F(start + step · i)` for i = 4 · 4 · 4 numbers of steps along
-    /// x, y, z, of the segments named. Positive inside.
+    /// The field less 1 at 4 · 4 · 4 points, of the segments named: entry `x + 4y + 16z` is that of the point so many
+    /// steps of `step` metres along x, y and z from `start`.
     pub(super) fn sample(&self, near: &[u32], start: Vec3, step: f32) -> [f32; 64] {
         let (mut sum, mut best, mut any) = ([0.0f32; 64], [f32::NEG_INFINITY; 64], [f32::NEG_INFINITY; 64]);
         let mut branch = u32::MAX;
