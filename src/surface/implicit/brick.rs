@@ -49,7 +49,7 @@ enum Node {
 #[derive(Debug)]
 pub(super) struct Bricks {
     nodes: Vec<Node>,
-    pub(super) bricks: Vec<Brick>,
+    pub(super) leaves: Vec<Brick>,
     near: Vec<u32>,
     origin: Vec3,
     voxel: f32,
@@ -88,7 +88,7 @@ impl Bricks {
         let side = bounds.size().max_element();
         let top = (0..28).find(|&top| voxel * (4u32 << top) as f32 >= side).unwrap_or(28);
         let (nodes, origin) = (vec![Node::Empty(false)], bounds.min);
-        let mut all = Self { nodes, bricks: Vec::new(), near: Vec::new(), origin, voxel, top };
+        let mut all = Self { nodes, leaves: Vec::new(), near: Vec::new(), origin, voxel, top };
         let root = Cube { node: 0, corner: IVec3::ZERO, level: top, list: 0 };
         let mut fresh =
             all.grow(field, levels, most, vec![root], vec![(0..levels.len() as u32).collect()])?;
@@ -109,7 +109,7 @@ impl Bricks {
             large.dedup();
             let (mut cubes, mut lists) = (Vec::new(), Vec::new());
             for number in large {
-                let brick = all.bricks[number as usize].clone();
+                let brick = all.leaves[number as usize].clone();
                 lists.push(all.near(&brick).to_vec());
                 all.split(brick.node, brick.corner, brick.level, lists.len() - 1, &mut cubes);
                 fresh.push((brick.corner, brick.level));
@@ -118,16 +118,16 @@ impl Bricks {
         }
         // Those that were split are none any more.
         let nodes = &mut all.nodes;
-        all.bricks.retain(|brick| matches!(nodes[brick.node as usize], Node::Brick(_)));
-        for (brick, number) in all.bricks.iter().zip(0..) {
+        all.leaves.retain(|brick| matches!(nodes[brick.node as usize], Node::Brick(_)));
+        for (brick, number) in all.leaves.iter().zip(0..) {
             nodes[brick.node as usize] = Node::Brick(number);
         }
-        let inside = parallel::map(all.bricks.len(), |number| {
-            let brick = &all.bricks[number];
+        let inside = parallel::map(all.leaves.len(), |number| {
+            let brick = &all.leaves[number];
             let values = all.sample(field, brick);
             (0..64).filter(|&i| values[i] > 0.0).fold(0, |bits, i| bits | 1 << i)
         });
-        for (brick, inside) in all.bricks.iter_mut().zip(inside) {
+        for (brick, inside) in all.leaves.iter_mut().zip(inside) {
             brick.inside = inside;
         }
         Ok(all)
@@ -154,8 +154,8 @@ impl Bricks {
                         let start = self.near.len() as u32;
                         self.near.extend(list);
                         let near = [start, self.near.len() as u32];
-                        self.nodes[node as usize] = Node::Brick(self.bricks.len() as u32);
-                        self.bricks.push(Brick { corner, level, inside: 0, near, node });
+                        self.nodes[node as usize] = Node::Brick(self.leaves.len() as u32);
+                        self.leaves.push(Brick { corner, level, inside: 0, near, node });
                     }
                     Look::Split(list) => {
                         near.push(list);
@@ -165,7 +165,7 @@ impl Bricks {
                 }
             }
             // What is split holds a block or more.
-            if self.bricks.len() + near.len() > most || self.near.len() > u32::MAX as usize / 2 {
+            if self.leaves.len() + near.len() > most || self.near.len() > u32::MAX as usize / 2 {
                 return Err(SurfaceError::TooManyBlocks { voxel: self.voxel, most });
             }
             (cubes, lists) = (parts, near);

@@ -26,7 +26,7 @@ impl Segment {
     }
 
     /// How far along the way the nearest point of the axis is, 0 to 1, and the distance from it.
-    #[inline(always)]
+    #[inline]
     fn nearest(&self, offset: Vec3) -> (f32, Vec3) {
         let t = (offset.dot(self.way) * self.inverse).clamp(0.0, 1.0);
         (t, offset - self.way * t)
@@ -40,11 +40,6 @@ impl Segment {
     /// The smallest radius on it, metres.
     pub(super) fn thinnest(&self) -> f32 {
         self.radius + self.growth.min(0.0)
-    }
-
-    /// Distance of a point from the axis, metres.
-    pub(super) fn distance(&self, point: Vec3) -> f32 {
-        self.nearest(point - self.from).1.length()
     }
 }
 
@@ -98,7 +93,7 @@ impl Field {
     }
 
     /// A primitive's value from the distance in radii.
-    #[inline(always)]
+    #[inline]
     fn value_at(&self, radii: f32) -> f32 {
         1.0 + (1.0 - radii) / self.blend
     }
@@ -190,7 +185,7 @@ impl Field {
 
 /// The blended value less 1: the root of the sum of squares (Ricci 1973), so that the fillet between two surfaces
 /// at right angles is round. Where nothing is felt, it falls on.
-#[inline(always)]
+#[inline]
 fn level(sum: f32, any: f32) -> f32 {
     if any > 0.0 { sum.sqrt() - 1.0 } else { any - 1.0 }
 }

@@ -41,7 +41,7 @@ struct Surroundings<'a> {
 
 impl<'a> Surroundings<'a> {
     fn new(bricks: &'a Bricks, number: u32) -> Self {
-        let brick = &bricks.bricks[number as usize];
+        let brick = &bricks.leaves[number as usize];
         let places = bricks.around(brick.corner, brick.level);
         Self { bricks, brick, number, places }
     }
@@ -58,7 +58,7 @@ impl<'a> Surroundings<'a> {
         match self.place(cell) {
             Place::Same(number) => Some((number, bits(cell & 3))),
             Place::Larger(number) => {
-                let brick = &self.bricks.bricks[number as usize];
+                let brick = &self.bricks.leaves[number as usize];
                 let corner = self.brick.corner + (cell << i32::from(self.brick.level));
                 Some((number, bits((corner - brick.corner) >> i32::from(brick.level))))
             }
@@ -68,7 +68,7 @@ impl<'a> Surroundings<'a> {
 
     fn is_inside(&self, cell: IVec3) -> bool {
         match self.holder(cell) {
-            Some((number, cell)) => self.bricks.bricks[number as usize].inside >> cell & 1 == 1,
+            Some((number, cell)) => self.bricks.leaves[number as usize].inside >> cell & 1 == 1,
             None => self.place(cell) == Place::Empty(true),
         }
     }
@@ -97,7 +97,7 @@ impl<'a> Surroundings<'a> {
     /// Where the surface crosses the edge from a voxel to its neighbour, and its normal there.
     fn vertex(&self, field: &Field, values: &[f32; 64], direction: usize, cell: u32) -> Option<(Vec3, Vec3)> {
         let (number, beyond) = self.holder(voxel(cell) + STEPS[direction])?;
-        let other = &self.bricks.bricks[number as usize];
+        let other = &self.bricks.leaves[number as usize];
         let from = self.bricks.middle(self.brick, cell);
         let way = self.bricks.middle(other, beyond) - from;
         let near = self.bricks.near(self.brick);
@@ -117,9 +117,9 @@ impl<'a> Surroundings<'a> {
                 return Some((point, (-slope).normalize_or(outward.normalize_or(Vec3::Y))));
             }
             if (value > 0.0) == starts_inside {
-                low = t
+                low = t;
             } else {
-                high = t
+                high = t;
             }
             let newton = t - value / along;
             t = if newton > low && newton < high { newton } else { 0.5 * (low + high) };
@@ -159,7 +159,7 @@ impl<'a> Surroundings<'a> {
             }
             for triangle in &CASES[case] {
                 let corners = triangle.map(|edge| {
-                    let [low, high] = EDGES[edge as usize].map(|end| cell(end));
+                    let [low, high] = EDGES[edge as usize].map(cell);
                     self.find(crossed, edge as usize / 4, low, high)
                 });
                 // Where one voxel is several corners of the cube, edges are one and the same.
@@ -197,7 +197,7 @@ impl<'a> Surroundings<'a> {
     /// The vertex on the edge between two voxels.
     fn find(&self, crossed: &[Crossed], axis: usize, low: IVec3, high: IVec3) -> Option<u32> {
         let (first, second) = (self.holder(low)?, self.holder(high)?);
-        let level = |holder: (u32, u32)| self.bricks.bricks[holder.0 as usize].level;
+        let level = |holder: (u32, u32)| self.bricks.leaves[holder.0 as usize].level;
         let ((brick, cell), direction) =
             if level(first) <= level(second) { (first, axis) } else { (second, axis + 3) };
         Some(crossed[brick as usize].vertex(direction, cell))
@@ -224,7 +224,7 @@ fn voxel(cell: u32) -> IVec3 {
 
 /// The surface of a field between the voxels of its blocks.
 pub(super) fn march(field: &Field, bricks: &Bricks) -> Result<Mesh, SurfaceError> {
-    let count = bricks.bricks.len();
+    let count = bricks.leaves.len();
     let edges = parallel::map(count, |number| Surroundings::new(bricks, number as u32).crossed());
     let vertices = edges.iter().flatten().map(|edges| edges.count_ones() as usize).sum();
     if vertices > u32::MAX as usize {

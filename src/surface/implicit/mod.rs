@@ -12,7 +12,8 @@ use field::Field;
 
 /// One closed, watertight mesh of the whole tree: branches flow into each other in round fillets.
 ///
-/// The tree is an implicit surface, as in the BlobTree of Galbraith, MacMurchy and Wyvill 2004 (section 3): each internode is
+/// The tree is an implicit surface, as in the `BlobTree` trees of Galbraith, `MacMurchy` and Wyvill 2004 (section 3):
+/// each internode is
 /// a skeletal primitive, a cone with a ball at each end, of radii interpolated along the branch. Its field is
 /// `f = 1 + (1 - d/r)/b`, at the distance d from the axis, for the radius r there and the [blend](Self::with_blend) b: 1 on
 /// its surface, 0 where the distance exceeds the radius by the blend width b·r. Along a branch the

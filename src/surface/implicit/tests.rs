@@ -172,10 +172,11 @@ fn the_gradient_is_the_differences_and_the_normals() {
 fn blocks_are_as_dense_as_the_whole_field() {
     let (field, bricks) = Implicit::default().blocks(&fork(0.05, 0.8)).expect("blocks");
     let all: Vec<u32> = (0..field.segments.len() as u32).collect();
-    for brick in &bricks.bricks {
+    for brick in &bricks.leaves {
         for cell in 0..64 {
-            let inside = field.gradient(&all, bricks.middle(brick, cell)).0 > 0.0;
-            assert_eq!(brick.inside >> cell & 1 == 1, inside);
+            // On the surface itself the order of sums decides.
+            let value = field.gradient(&all, bricks.middle(brick, cell)).0;
+            assert!(value.abs() < 1e-5 || (brick.inside >> cell & 1 == 1) == (value > 0.0), "{value}");
         }
     }
     let mut random = 1u32;
