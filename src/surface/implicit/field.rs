@@ -1,5 +1,7 @@
 //! The implicit field: skeletal primitives, joined along branches and blended between them.
 
+#![allow(clippy::inline_always, reason = "loops over 64 voxels are three times as slow around calls")]
+
 use crate::Skeleton;
 use crate::surface::SurfaceError;
 use glam::Vec3;
@@ -26,7 +28,7 @@ impl Segment {
     }
 
     /// How far along the way the nearest point of the axis is, 0 to 1, and the distance from it.
-    #[inline]
+    #[inline(always)]
     fn nearest(&self, offset: Vec3) -> (f32, Vec3) {
         let t = (offset.dot(self.way) * self.inverse).clamp(0.0, 1.0);
         (t, offset - self.way * t)
@@ -93,7 +95,7 @@ impl Field {
     }
 
     /// A primitive's value from the distance in radii.
-    #[inline]
+    #[inline(always)]
     fn value_at(&self, radii: f32) -> f32 {
         1.0 + (1.0 - radii) / self.blend
     }
@@ -185,7 +187,7 @@ impl Field {
 
 /// The blended value less 1: the root of the sum of squares (Ricci 1973), so that the fillet between two surfaces
 /// at right angles is round. Where nothing is felt, it falls on.
-#[inline]
+#[inline(always)]
 fn level(sum: f32, any: f32) -> f32 {
     if any > 0.0 { sum.sqrt() - 1.0 } else { any - 1.0 }
 }

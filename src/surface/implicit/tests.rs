@@ -8,8 +8,8 @@ fn euler(mesh: &Mesh) -> Result<i64, String> {
     mesh.check().map_err(|e| e.to_string())?;
     let mut sides: Vec<[u32; 2]> = mesh.triangles().flat_map(|[a, b, c]| [[a, b], [b, c], [c, a]]).collect();
     sides.sort_unstable();
-    if let Some(pair) = sides.windows(2).find(|pair| pair[0] == pair[1]) {
-        return Err(format!("two triangles have the side {:?}", pair[0]));
+    if let Some([side, ..]) = sides.windows(2).find(|pair| pair[0] == pair[1]) {
+        return Err(format!("two triangles have the side {side:?}"));
     }
     if let Some(side) = sides.iter().find(|[a, b]| sides.binary_search(&[*b, *a]).is_err()) {
         return Err(format!("the side {side:?} is open"));
@@ -80,7 +80,7 @@ proptest! {
     #[test]
     fn any_skeleton_has_a_closed_mesh_or_a_named_error(skeleton in any_skeleton(), blend in 0.01f32..2.0) {
         match Implicit::default().with_most_blocks(3000).with_blend(blend).mesh(&skeleton) {
-            Ok(mesh) => { prop_assert!(euler(&mesh).map_err(|e| TestCaseError::fail(e))? % 2 == 0); }
+            Ok(mesh) => { prop_assert!(euler(&mesh).map_err(TestCaseError::fail)? % 2 == 0); }
             Err(error) => prop_assert!(matches!(error,
                 SurfaceError::NoRadii { .. } | SurfaceError::TooManyBlocks { .. }), "{error}"),
         }
