@@ -6,6 +6,7 @@ use std::fmt::Write as _;
 use treesynth::glam::Vec3;
 use treesynth::guided::{Edges, GradedYao, Graph, Lattice, NearSurface, PointCloud, PoissonYao};
 use treesynth::shape::{Cuboid, HalfEllipsoid};
+use treesynth::surface::Implicit;
 use treesynth::{GraphBuilder, Silent, Skeleton, presets};
 
 fn of_positions(positions: &[Vec3]) -> impl Iterator<Item = u8> {
@@ -181,4 +182,16 @@ fn presets_grow_the_same_trees_as_ever() {
         "Equal seeds no longer give equal trees:{changes}\nIf that is meant, say so in CHANGELOG.md, for users \
          count on it, and pin the new trees with TREESYNTH_PIN=1 cargo test --all-features --test it presets_grow"
     );
+}
+
+/// Blocks are made and marched in parallel, and joined in order.
+#[test]
+fn closed_surfaces_do_not_depend_on_the_threads() {
+    let tree = presets::by_name("figure-06c").expect("a preset").synth(3000).synthesize(1).expect("a tree");
+    let hash = || {
+        let mesh = Implicit::default().with_voxel(0.01).mesh(&tree).expect("a surface");
+        let indices = mesh.indices.iter().flat_map(|index| index.to_le_bytes());
+        fnv1a(of_positions(&mesh.positions).chain(of_positions(&mesh.normals)).chain(indices))
+    };
+    all_the_same(&at_thread_counts(hash), "the surface");
 }

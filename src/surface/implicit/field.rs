@@ -1,7 +1,9 @@
 //! The implicit field: skeletal primitives, joined along branches and blended between them.
 
-use super::super::SurfaceError;
+#![allow(clippy::inline_always, reason = "a call in a loop over 64 voxels keeps it from being vectorized")]
+
 use crate::Skeleton;
+use crate::surface::SurfaceError;
 use glam::Vec3;
 
 /// Farther out or thicker than this, in metres, products of coordinates leave the range of 32-bit floats.
@@ -40,11 +42,6 @@ impl Segment {
     /// The smallest radius on it, metres.
     pub(super) fn thinnest(&self) -> f32 {
         self.radius + self.growth.min(0.0)
-    }
-
-    /// Distance of a point from the axis, metres.
-    pub(super) fn distance(&self, point: Vec3) -> f32 {
-        self.nearest(point - self.from).1.length()
     }
 }
 
@@ -114,8 +111,8 @@ impl Field {
         (self.value_at((distance + reach) / thin), self.value_at((distance - reach).max(0.0) / thick))
     }
 
-    /// Field values less 1 at points in rows: `value[i] = F(start + step · i)` for i = 4 · 4 · 4 numbers of steps along
-    /// x, y, z, of the segments named. Positive inside.
+    /// The field less 1 at 4 · 4 · 4 points, of the segments named: entry `x + 4y + 16z` is that of the point so many
+    /// steps of `step` metres along x, y and z from `start`.
     pub(super) fn sample(&self, near: &[u32], start: Vec3, step: f32) -> [f32; 64] {
         let (mut sum, mut best, mut any) = ([0.0f32; 64], [f32::NEG_INFINITY; 64], [f32::NEG_INFINITY; 64]);
         let mut branch = u32::MAX;

@@ -4,7 +4,7 @@ use super::brick::{Brick, Bricks, Place};
 use super::case::{CASES, EDGES};
 use super::field::Field;
 use crate::parallel;
-use crate::surface::Mesh;
+use crate::surface::{Mesh, SurfaceError};
 use glam::{IVec3, Vec3};
 
 /// Blocks that one thread takes at a time, and how many of these are held before they are joined.
@@ -41,14 +41,8 @@ struct Surroundings<'a> {
 
 impl<'a> Surroundings<'a> {
     fn new(bricks: &'a Bricks, number: u32) -> Self {
-        let brick = &bricks.bricks[number as usize];
-        let places = std::array::from_fn(|i| match i as i32 {
-            13 => Place::Same(number),
-            i => {
-                let offset = IVec3::new(i % 3, i / 3 % 3, i / 9) - 1;
-                bricks.find(brick.corner + (offset << i32::from(brick.level + 2)), brick.level)
-            }
-        });
+        let brick = &bricks.leaves[number as usize];
+        let places = bricks.around(brick.corner, brick.level);
         Self { bricks, brick, number, places }
     }
 
@@ -64,7 +58,7 @@ impl<'a> Surroundings<'a> {
         match self.place(cell) {
             Place::Same(number) => Some((number, bits(cell & 3))),
             Place::Larger(number) => {
-                let brick = &self.bricks.bricks[number as usize];
+                let brick = &self.bricks.leaves[number as usize];
                 let corner = self.brick.corner + (cell << i32::from(self.brick.level));
                 Some((number, bits((corner - brick.corner) >> i32::from(brick.level))))
             }
@@ -73,91 +67,99 @@ impl<'a> Surroundings<'a> {
     }
 
     fn is_inside(&self, cell: IVec3) -> bool {
-        match (self.place(cell), self.holder(cell)) {
-            (_, Some((number, cell))) => self.bricks.bricks[number as usize].inside >> cell & 1 == 1,
-            (place, None) => place == Place::Empty(true),
+        match self.holder(cell) {
+            Some((number, cell)) => self.bricks.leaves[number as usize].inside >> cell & 1 == 1,
+            None => self.place(cell) == Place::Empty(true),
         }
     }
 
     /// Which edges of this block's the surface crosses.
     fn crossed(&self) -> [u64; 6] {
-        let mut edges = [0u64; 6];
-        for cell in 0..64 {
-            let at = IVec3::new(cell & 3, cell >> 2 & 3, cell >> 4);
-            for (direction, step) in STEPS.into_iter().enumerate() {
-                let own = match self.place(at + step) {
-                    Place::Same(_) => direction < 3,
-                    Place::Larger(_) => true,
-                    Place::Smaller | Place::Empty(_) => false,
-                };
-                let inside = self.brick.inside >> cell & 1 == 1;
-                if own && inside != self.is_inside(at + step) {
-                    edges[direction] |= 1 << cell;
-                }
-            }
-        }
-        edges
+        let inside = self.brick.inside;
+        std::array::from_fn(|direction| {
+            let (axis, back) = (direction % 3, direction > 2);
+            let (shift, first) = (1 << (2 * axis), FIRST[axis]);
+            // Between the block's own voxels.
+            let within = if back { 0 } else { (inside ^ inside >> shift) & !(first << (3 * shift)) };
+            let border = if back { first } else { first << (3 * shift) };
+            let owned = match self.places[(13 + STEPS[direction].dot(IVec3::new(1, 3, 9))) as usize] {
+                Place::Same(_) => !back,
+                Place::Larger(_) => true,
+                Place::Smaller | Place::Empty(_) => false,
+            };
+            let across = |cell: u32| {
+                owned && self.is_inside(voxel(cell) + STEPS[direction]) != (inside >> cell & 1 == 1)
+            };
+            bits(border).filter(|&cell| across(cell)).fold(within, |edges, cell| edges | 1 << cell)
+        })
     }
 
     /// Where the surface crosses the edge from a voxel to its neighbour, and its normal there.
-    fn vertex(&self, field: &Field, direction: usize, cell: u32) -> Option<(Vec3, Vec3)> {
-        let at = IVec3::new(cell as i32 & 3, cell as i32 >> 2 & 3, cell as i32 >> 4);
-        let (other, beyond) = self.holder(at + STEPS[direction])?;
-        let other = &self.bricks.bricks[other as usize];
+    fn vertex(&self, field: &Field, values: &[f32; 64], direction: usize, cell: u32) -> Option<(Vec3, Vec3)> {
+        let (number, beyond) = self.holder(voxel(cell) + STEPS[direction])?;
+        let other = &self.bricks.leaves[number as usize];
         let from = self.bricks.middle(self.brick, cell);
         let way = self.bricks.middle(other, beyond) - from;
         let near = self.bricks.near(self.brick);
-        // The way from where the field is lower than 1 to where it is not, in parts of the edge.
-        let ends = [self.brick.values[cell as usize], other.values[beyond as usize]];
+        let starts_inside = values[cell as usize] > 0.0;
         let (mut low, mut high) = (MARGIN, 1.0 - MARGIN);
-        let mut t = (ends[0] / (ends[0] - ends[1])).clamp(low, high);
-        let mut last = 0;
+        let start = values[cell as usize];
+        let end =
+            if number == self.number { values[beyond as usize] } else { field.gradient(near, from + way).0 };
+        let mut t = (start / (start - end)).clamp(low, high);
+        let mut tries = 0;
         loop {
             let point = from + way * t;
             let (value, slope) = field.gradient(near, point);
             let along = slope.dot(way);
-            if value.abs() <= OFF * way.length() * slope.length() || last == 4 || high - low < OFF {
-                let outward = if ends[0] > 0.0 { way } else { -way };
+            if value.abs() <= OFF * way.length() * slope.length() || tries == 5 || high - low < OFF {
+                let outward = if starts_inside { way } else { -way };
                 return Some((point, (-slope).normalize_or(outward.normalize_or(Vec3::Y))));
             }
-            if (value > 0.0) == (ends[0] > 0.0) {
-                low = t
+            if (value > 0.0) == starts_inside {
+                low = t;
             } else {
-                high = t
+                high = t;
             }
             let newton = t - value / along;
             t = if newton > low && newton < high { newton } else { 0.5 * (low + high) };
-            last += 1;
+            tries += 1;
         }
     }
 
     /// The triangles around those of the block's voxels' corners that are its own: not a smaller block's, nor one's of
     /// its size that comes before.
     fn triangles(&self, crossed: &[Crossed], indices: &mut Vec<u32>) {
-        let mut inside = [false; 216];
-        for (i, inside) in inside.iter_mut().enumerate() {
-            let i = i as i32;
-            *inside = self.is_inside(IVec3::new(i % 6, i / 6 % 6, i / 36) - 1);
-        }
+        let rows = self.rows();
         for corner in 0..125 {
-            let at = IVec3::new(corner % 5, corner / 5 % 5, corner / 25);
-            let cell =
-                |i: u8| at - IVec3::new(i32::from(!i & 1), i32::from(!i >> 1 & 1), i32::from(!i >> 2 & 1));
-            let case = (0..8).fold(0, |case, i| {
-                let cell = cell(i) + 1;
-                case | usize::from(inside[(cell.x + 6 * cell.y + 36 * cell.z) as usize]) << i
-            });
-            let theirs = |i| match self.place(cell(i)) {
-                Place::Same(number) => number < self.number,
-                Place::Smaller => true,
-                _ => false,
-            };
-            if case == 0 || case == 255 || (0..8).any(theirs) {
-                continue;
+            let (x, row) = (corner % 5, corner / 5 % 5 + 6 * (corner / 25));
+            let corners = [0, 1, 6, 7].into_iter().zip([0, 2, 4, 6]);
+            let mut case = corners
+                .fold(0, |case, (offset, shift)| case | usize::from(rows[row + offset] >> x & 3) << shift);
+            let at = IVec3::new(x as i32, corner as i32 / 5 % 5, corner as i32 / 25);
+            let back = |i: u8| IVec3::new(i32::from(i & 1), i32::from(i >> 1 & 1), i32::from(i >> 2)) - 1;
+            let cell = |i: u8| at + back(i);
+            if at.cmpeq(IVec3::ZERO).any() || at.cmpeq(IVec3::splat(4)).any() {
+                let mut theirs = false;
+                for i in 0..8 {
+                    theirs |= match self.place(cell(i)) {
+                        Place::Same(number) => number < self.number,
+                        Place::Smaller => {
+                            let at = self.brick.corner + (at << i32::from(self.brick.level)) + back(i);
+                            let leaf = self.bricks.find(at, 0);
+                            case |= usize::from(leaf == Place::Empty(true)) << i;
+                            !matches!(leaf, Place::Empty(_))
+                        }
+                        _ => false,
+                    };
+                }
+                if theirs {
+                    continue;
+                }
             }
             for triangle in &CASES[case] {
                 let corners = triangle.map(|edge| {
-                    let [low, high] = EDGES[edge as usize].map(|end| cell(end));
+                    let [low, high] = EDGES[edge as usize].map(cell);
                     self.find(crossed, edge as usize / 4, low, high)
                 });
                 // Where one voxel is several corners of the cube, edges are one and the same.
@@ -172,55 +174,101 @@ impl<'a> Surroundings<'a> {
         }
     }
 
+    /// Which voxels are inside, this block's and one more on each side: a bit each along x, rows along y, then z.
+    fn rows(&self) -> [u8; 36] {
+        let mut rows = [0; 36];
+        for (i, place) in self.places.iter().enumerate() {
+            if matches!(place, Place::Empty(false) | Place::Smaller) {
+                continue;
+            }
+            let range = |block: usize| [-1..0, 0..4, 4..5][block].clone();
+            for z in range(i / 9) {
+                for y in range(i / 3 % 3) {
+                    let row = &mut rows[(y + 1 + 6 * (z + 1)) as usize];
+                    for x in range(i % 3) {
+                        *row |= u8::from(self.is_inside(IVec3::new(x, y, z))) << (x + 1);
+                    }
+                }
+            }
+        }
+        rows
+    }
+
     /// The vertex on the edge between two voxels.
     fn find(&self, crossed: &[Crossed], axis: usize, low: IVec3, high: IVec3) -> Option<u32> {
         let (first, second) = (self.holder(low)?, self.holder(high)?);
-        let level = |holder: (u32, u32)| self.bricks.bricks[holder.0 as usize].level;
+        let level = |holder: (u32, u32)| self.bricks.leaves[holder.0 as usize].level;
         let ((brick, cell), direction) =
             if level(first) <= level(second) { (first, axis) } else { (second, axis + 3) };
         Some(crossed[brick as usize].vertex(direction, cell))
     }
 }
 
+/// The voxels on a block's lower side along x, y, z.
+const FIRST: [u64; 3] = [0x1111_1111_1111_1111, 0x000f_000f_000f_000f, 0xffff];
 const STEPS: [IVec3; 6] = [IVec3::X, IVec3::Y, IVec3::Z, IVec3::NEG_X, IVec3::NEG_Y, IVec3::NEG_Z];
 
+/// The places of the bits that are set.
+fn bits(mut left: u64) -> impl Iterator<Item = u32> {
+    std::iter::from_fn(move || {
+        let bit = (left != 0).then(|| left.trailing_zeros());
+        left &= left.wrapping_sub(1);
+        bit
+    })
+}
+
+/// Where in its block a voxel is.
+fn voxel(cell: u32) -> IVec3 {
+    (IVec3::splat(cell as i32) >> IVec3::new(0, 2, 4)) & 3
+}
+
 /// The surface of a field between the voxels of its blocks.
-pub(super) fn march(field: &Field, bricks: &Bricks) -> Mesh {
-    let count = bricks.bricks.len();
+pub(super) fn march(field: &Field, bricks: &Bricks) -> Result<Mesh, SurfaceError> {
+    let count = bricks.leaves.len();
+    let edges = parallel::map(count, |number| Surroundings::new(bricks, number as u32).crossed());
+    let vertices = edges.iter().flatten().map(|edges| edges.count_ones() as usize).sum();
+    if vertices > u32::MAX as usize {
+        return Err(SurfaceError::TooLarge { vertices });
+    }
+    let mut first = 0;
+    let crossed: Vec<_> = edges
+        .into_iter()
+        .map(|edges| {
+            let here = Crossed { first, edges };
+            first += edges.iter().map(|edges| edges.count_ones()).sum::<u32>();
+            here
+        })
+        .collect();
     let mut mesh = Mesh::default();
-    let mut crossed = Vec::with_capacity(count);
+    mesh.positions.reserve_exact(vertices);
+    mesh.normals.reserve_exact(vertices);
+    // Closed surfaces have two triangles a vertex, less four a body and plus four a handle, of which there are few.
+    mesh.indices.reserve_exact(6 * vertices + vertices / 32);
     in_groups(
         count,
-        |number, (found, vertices): &mut (Vec<[u64; 6]>, Vec<(Vec3, Vec3)>)| {
+        |number, vertices: &mut Vec<(Vec3, Vec3)>| {
+            let edges = crossed[number as usize].edges;
+            if edges == [0; 6] {
+                return;
+            }
             let around = Surroundings::new(bricks, number);
-            let edges = around.crossed();
-            found.push(edges);
-            for (direction, mut left) in edges.into_iter().enumerate() {
-                while left != 0 {
-                    vertices.extend(around.vertex(field, direction, left.trailing_zeros()));
-                    left &= left - 1;
-                }
+            let values = bricks.sample(field, around.brick);
+            for (direction, edges) in edges.into_iter().enumerate() {
+                vertices
+                    .extend(bits(edges).filter_map(|cell| around.vertex(field, &values, direction, cell)));
             }
         },
-        |(found, vertices)| {
-            let mut first = mesh.positions.len() as u32;
-            crossed.extend(found.into_iter().map(|edges| {
-                let here = Crossed { first, edges };
-                first += edges.iter().map(|edges| edges.count_ones()).sum::<u32>();
-                here
-            }));
+        |vertices| {
             mesh.positions.extend(vertices.iter().map(|vertex| vertex.0));
             mesh.normals.extend(vertices.iter().map(|vertex| vertex.1));
         },
     );
-    // Closed surfaces have two triangles a vertex, less four a body and plus four a handle.
-    mesh.indices.reserve_exact(6 * mesh.positions.len());
     in_groups(
         count,
         |number, indices: &mut Vec<u32>| Surroundings::new(bricks, number).triangles(&crossed, indices),
         |indices| mesh.indices.extend(indices),
     );
-    mesh
+    Ok(mesh)
 }
 
 /// Has threads make parts of some blocks each, and joins the parts in the blocks' order before they are too many.
