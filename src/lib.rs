@@ -10,7 +10,7 @@
 //!
 //! # The way through
 //!
-//! [`shape`] and [`field`] say where a tree may grow and what pulls on it; [`guided`] grows it; a [`Skeleton`] is
+//! [`shape`] and [`field`] say where a tree may grow and what pulls on it; [`guided`] or [`variational`] grows it; a [`Skeleton`] is
 //! what comes out; [`radius`] makes it thick, [`metrics`] measures it, [`surface`] makes triangles of it, [`export`]
 //! writes files, and [`preview`](https://docs.rs/treesynth/latest/treesynth/preview/) draws pictures. [`presets`] has
 //! the trees of the paper's figures, ready made.

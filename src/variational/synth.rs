@@ -16,8 +16,8 @@ use crate::{ParameterError, Skeleton, SkeletonError};
 
 /// Grows the tree that fills a [`GuidanceShape`] at the least cost.
 ///
-/// The cost is F = F_I + λF_E + μF_P (equation 4), all in the unit of F_I, metres to the power of 1 + β: λ, given as a plain
-/// number, is multiplied by D^β, where D is the foot's diameter by equation 2, and [F_P](super::penalty) counts in wood. A
+/// The cost is `F = F_I + λF_E + μF_P` (equation 4), all in the unit of `F_I`, metres to the power of 1 + β: λ, given as a plain
+/// number, is multiplied by D^β, where D is the foot's diameter by equation 2, and [`F_P`](super::penalty) counts in wood. A
 /// tree twice as large therefore has the same form.
 ///
 /// Cost: O(n log n) a round, see [`with_rounds`](Self::with_rounds); about 400 bytes a shape node.
@@ -83,11 +83,11 @@ pub struct Step {
     pub kind: StepKind,
     /// F, metres to the power of 1 + β.
     pub total: f64,
-    /// F_I, metres to the power of 1 + β.
+    /// `F_I`, metres to the power of 1 + β.
     pub structure: f64,
-    /// F_E, metres, to the branch nodes on which the shape nodes hang. After an update others may be nearer.
+    /// `F_E`, metres, to the branch nodes on which the shape nodes hang. After an update others may be nearer.
     pub guidance: f64,
-    /// F_P, metres to the power of 1 + β.
+    /// `F_P`, metres to the power of 1 + β.
     pub penalty: f64,
     /// Branch nodes, the root included.
     pub branch_nodes: usize,
@@ -201,7 +201,7 @@ impl VariationalSynth {
         self
     }
 
-    /// Sets λ, the weight of the shape (F_E), and μ, that of the botanical parameters (F_P), both in [0, 1000]; 1 and 0.2
+    /// Sets λ, the weight of the shape (`F_E`), and μ, that of the botanical parameters (`F_P`), both in [0, 1000]; 1 and 0.2
     /// by default, our choice by eye: the more μ, the more regular the tree and the less it minds its wood.
     pub fn with_weights(mut self, lambda: f32, mu: f32) -> Self {
         (self.lambda, self.mu) = (lambda, mu);

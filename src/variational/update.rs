@@ -13,7 +13,7 @@ const MEMORY: usize = 6;
 /// Moves `positions` to where the energy with its kinks rounded off is less; never to where it is more.
 ///
 /// A limited-memory quasi-Newton method (Nocedal 1980) that starts each step from Weiszfeld's: alone, that one descends on
-/// the convex part F_I + λF_E, and the pairs remembered teach it what F_P adds. Each step is halved until the energy falls
+/// the convex part `F_I + λF_E`, and the pairs remembered teach it what `F_P` adds. Each step is halved until the energy falls
 /// enough (Armijo). Ends after `rounds` steps, or when one brings less than `tolerance` of the energy. The root stays.
 pub(super) fn descend(
     model: &Model<'_>,
@@ -32,7 +32,7 @@ pub(super) fn descend(
         if fall >= 0.0 || fall.is_nan() {
             pairs.clear();
             way = model.spring_step(positions, soft, &slope);
-            way.iter_mut().for_each(|step| *step = -*step);
+            negate(&mut way);
             fall = dot(&way, &slope);
         }
         let mut length = 1.0;
@@ -87,7 +87,7 @@ fn direction(
         let back = inverse * dot(bends, &way);
         add(&mut way, steps, share - back);
     }
-    way.iter_mut().for_each(|step| *step = -*step);
+    negate(&mut way);
     way
 }
 
@@ -97,4 +97,10 @@ fn dot(a: &[DVec3], b: &[DVec3]) -> f64 {
 
 fn add(to: &mut [DVec3], what: &[DVec3], times: f64) {
     to.iter_mut().zip(what).for_each(|(to, &what)| *to += what * times);
+}
+
+fn negate(way: &mut [DVec3]) {
+    for step in way {
+        *step = -*step;
+    }
 }
