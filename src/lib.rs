@@ -35,7 +35,7 @@
 //!
 //! | feature | adds |
 //! |---|---|
-//! | `parallel` | graphs are built on rayon's threads; same bits |
+//! | `parallel` | graphs are built and shapes filled on rayon's threads; same bits |
 //! | `serde` | skeletons and metrics with serde |
 //! | `json` | skeletons as JSON text, `export::json`; implies `serde` |
 //! | `mint` | `From` and `Into` between [`glam`]'s vectors and `mint`'s, for users on another glam version |

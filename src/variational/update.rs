@@ -104,3 +104,38 @@ fn negate(way: &mut [DVec3]) {
         *step = -*step;
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::draft::Draft;
+    use super::super::energy::Wish;
+    use super::super::model::Nodes;
+    use super::*;
+
+    /// The tree of `tests/powell.py`: `SciPy` 1.17.1's Powell search ends at 255.128401213 after 16,568 evaluations.
+    #[test]
+    fn ends_no_higher_than_powell() {
+        let place = |i: usize| {
+            DVec3::new((i * 7 % 11) as f64 - 5.0, 3.0 + (i * 5 % 13) as f64 * 0.5, (i * 3 % 7) as f64 - 3.0)
+        };
+        let nodes = Nodes {
+            places: (0..40).map(place).collect(),
+            flows: vec![1.0; 40],
+            costs: vec![1.0; 40],
+            shares: vec![1.0 / 40.0; 40],
+            unit: 1.0,
+        };
+        let mut draft = Draft::new(DVec3::ZERO, 40);
+        draft.positions = (0..9).map(|i| f64::from(i) * DVec3::new(0.25, 1.0, -0.25)).collect();
+        draft.parents = vec![0, 0, 1, 2, 3, 1, 2, 3, 4];
+        draft.wishes = vec![Wish::new(1.0); 9];
+        draft.owners = (0..40).map(|i| 1 + i % 8).collect();
+        let weights = Weights { power: 0.8, lambda: 0.0, mu: 0.0 };
+        let model = Model::new(&draft, &nodes, weights);
+        let mut positions = draft.positions.clone();
+        let wood = |positions: &[DVec3]| model.terms(positions, Soft::NONE, None).structure;
+        assert!((wood(&positions) - 306.685_601_653).abs() < 1e-8, "the same start: {}", wood(&positions));
+        descend(&model, &weights, &mut positions, Soft { length: 1e-6, deviation: 0.05 }, 200, 1e-12);
+        assert!(wood(&positions) < 255.128_401_213 + 1e-6, "{}", wood(&positions));
+    }
+}
