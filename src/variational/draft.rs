@@ -31,7 +31,9 @@ impl Lists {
     /// Ascending within each list. O(n).
     pub(super) fn new(lists: usize, of: &[u32]) -> Self {
         let mut starts = vec![0; lists + 1];
-        of.iter().for_each(|&list| starts[list as usize + 1] += 1);
+        for &list in of {
+            starts[list as usize + 1] += 1;
+        }
         (0..lists).for_each(|list| starts[list + 1] += starts[list]);
         let mut next = starts.clone();
         let mut items = vec![0; of.len()];
@@ -209,7 +211,8 @@ impl Draft {
                 let mut wish = self.wishes[node];
                 wish.turn =
                     wish.turn.map(|(mate, turn)| (names[mate as usize], turn)).filter(|&(mate, _)| {
-                        mate > 0
+                        parent > 0
+                            && mate > 0
                             && mate != parent
                             && kept.parents[mate as usize] == kept.parents[parent as usize]
                     });

@@ -45,7 +45,7 @@ impl Wish {
     }
 }
 
-/// F_I = Σ |p_i - p_j| d_j^β, equations 5 and 6, with its gradient: the value is that of
+/// `F_I = Σ |p_i - p_j| d_j^β`, equations 5 and 6, with its gradient: the value is that of
 /// [`structure_energy`](crate::radius::structure_energy), diameters are the skeleton's own. O(n).
 ///
 /// ```
@@ -72,7 +72,7 @@ pub fn structure(skeleton: &Skeleton, beta: f32) -> Result<Energy, ParameterErro
     Ok(Energy { value, gradient })
 }
 
-/// F_E = Σ d_i min_j |q_i - p_j| / Σ d_i, equation 7, metres, with its gradient: how far the shape nodes are from the
+/// `F_E = Σ d_i min_j |q_i - p_j| / Σ d_i`, equation 7, metres, with its gradient: how far the shape nodes are from the
 /// skeleton's nodes. Of nodes equally near the first counts. O((n + m) log n) for m shape nodes.
 ///
 /// The tree's own tips are shape nodes, so this says something of the [structure](super::Growth::structure) below them.
@@ -94,11 +94,12 @@ pub fn guidance(skeleton: &Skeleton, shape: &GuidanceShape) -> Result<Energy, Pa
     Ok(energy)
 }
 
-/// F_P, equation 8, with its gradient: what the wishes ask for and do not get, Σ l d^β (|θ̄ - θ| + |φ̄ - φ| + |l̄ / l - 1|).
+/// `F_P`, equation 8, with its gradient: what the wishes ask for and do not get,
+/// `Σ l d^β (|θ̄ - θ| + |φ̄ - φ| + |l̄ / l - 1|)`.
 ///
 /// Angles count in radians, differences of φ the short way around, and lengths in the length l asked for, so that all
 /// deviations are plain numbers. Unlike in the paper each internode's count as much as its wood, l d^β, by the skeleton's
-/// own diameters: that gives F_P the unit of F_I, and without it a weight that bends limbs would rule over all twigs. The
+/// own diameters: that gives `F_P` the unit of `F_I`, and without it a weight that bends limbs would rule over all twigs. The
 /// root's wish is ignored. O(n).
 ///
 /// # Errors
@@ -136,7 +137,7 @@ pub fn penalty(skeleton: &Skeleton, wishes: &[Wish], beta: f32) -> Result<Energy
     Ok(Energy { value: deviations(&positions, &parents, wishes, &thick, 0.0, add), gradient })
 }
 
-/// F_P for internodes of d^β = `thick`, its gradient added up by `add`. Differences below `soft` count by their square:
+/// `F_P` for internodes of d^β = `thick`, its gradient added up by `add`. Differences below `soft` count by their square:
 /// sqrt(x² + soft²) - soft. What has no thickness neither counts nor is turned against.
 pub(super) fn deviations(
     positions: &[DVec3],

@@ -80,7 +80,8 @@ impl GuidanceShape {
         let mut points = Vec::new();
         let mut lines = 0_u32;
         while points.len() < CANDIDATES * count {
-            if lines >= 4096 && points.is_empty() {
+            // A shape that fewer lines meet is too thin to be covered evenly.
+            if lines as usize >= 4096 && points.len() < lines as usize / 64 {
                 return Err(empty(shape));
             }
             let mut random = stream(seed, 0, Purpose::SHAPE_NODES, 1 + u64::from(lines));

@@ -49,7 +49,7 @@ impl Preset {
         Self { name, figure, caption, shape_nodes: 3500, seed: 1, build }
     }
 
-    const fn shape_nodes(mut self, count: usize) -> Self {
+    const fn with_shape_nodes(mut self, count: usize) -> Self {
         self.shape_nodes = count;
         self
     }
@@ -111,7 +111,7 @@ const PRESETS: &[Preset] = &[
             &[axis(3, 0.3, 45.0, Spiral), axis(3, 0.5, 45.0, Spiral), twig(0.8), twig(0.8)],
         )
     })
-    .shape_nodes(4144),
+    .with_shape_nodes(4144),
     Preset::new(
         "variational-12-right",
         12,
@@ -121,7 +121,7 @@ const PRESETS: &[Preset] = &[
             tree(&crown, count, 0.36, &[axis(5, 0.2, 40.0, Spiral), axis(5, 1.0, 45.0, Spiral)])
         },
     )
-    .shape_nodes(1792),
+    .with_shape_nodes(1792),
     Preset::new(
         "variational-14-maple",
         14,

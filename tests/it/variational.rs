@@ -5,7 +5,7 @@ use proptest::prelude::*;
 use treesynth::glam::{DVec3, Vec3};
 use treesynth::shape::{Ellipsoid, HalfEllipsoid, Sphere};
 use treesynth::variational::*;
-use treesynth::{ParameterError, Shape, Silent, Skeleton};
+use treesynth::{ParameterError, Silent, Skeleton};
 
 fn crown() -> HalfEllipsoid {
     HalfEllipsoid::new(Vec3::Y * 2.0, Vec3::new(2.5, 5.0, 2.5))
@@ -195,7 +195,7 @@ fn hold(growth: &Growth, shape: &GuidanceShape) -> Result<(), TestCaseError> {
     Ok(())
 }
 
-/// F_P of the branch nodes, in the shape nodes' own diameters.
+/// `F_P` of the branch nodes, in the shape nodes' own diameters.
 fn strain(growth: &Growth, shape: &GuidanceShape) -> f64 {
     let tree = &growth.skeleton;
     let mut carries = vec![0.0_f64; tree.len()];
@@ -280,10 +280,7 @@ fn every_preset_costs_less_than_a_star_and_a_spanning_tree() {
 /// A growth of a preset with so many shape nodes.
 fn grown(name: &str, count: usize) -> Growth {
     let preset = by_name(name).unwrap_or_else(|| panic!("no preset {name}"));
-    preset
-        .synth(count)
-        .and_then(|synth| Ok(synth.grow(preset.seed, &Silent).expect("a tree")))
-        .expect("a preset")
+    preset.synth(count).map(|synth| synth.grow(preset.seed, &Silent).expect("a tree")).expect("a preset")
 }
 
 /// How high the stem of the first level goes, of the tree's height.
@@ -335,6 +332,54 @@ fn figure_07() {
     ascending("height of the stem with P", &each(["p02", "p06", "p10"]).map(|growth| stem(&growth)));
     ascending("branches off the stem with n", &each(["l1", "l2", "l3"]).map(|growth| count(&growth)));
     ascending("angle of branches with θ", &each(["a25", "a45", "a65"]).map(|growth| mean_angle(&growth)));
+}
+
+/// Mean of the turns between the first branches of neighbouring nodes of the stem, degrees in [0, 90]: a plane has no
+/// front.
+fn mean_turn(growth: &Growth) -> f32 {
+    let branches = branches(growth);
+    let tree = &growth.skeleton;
+    let first = |node: usize| branches.iter().find(|branch| branch.0 == node);
+    let mut turns = Vec::new();
+    for node in (1..growth.branch_nodes).filter(|&node| tree.stages()[node] == 0) {
+        if let (Some(here), Some(before)) = (first(node), tree.parent(node).and_then(first)) {
+            let axis = here.1.normalize();
+            let turn = here.2.reject_from(axis).angle_between(before.2.reject_from(axis)).to_degrees();
+            turns.push(turn.min(180.0 - turn));
+        }
+    }
+    turns.iter().sum::<f32>() / turns.len() as f32
+}
+
+#[test]
+fn figure_08() {
+    let [alternate, opposite, decussate] =
+        ["alternate", "opposite", "decussate"].map(|name| grown(&format!("variational-08-{name}"), 1500));
+    let count = |growth: &Growth| branches(growth).len() as f32;
+    ascending("branches, alternate and opposite", &[count(&alternate), count(&opposite)]);
+    ascending(
+        "turn from pair to pair, opposite and decussate",
+        &[mean_turn(&opposite), 45.0, mean_turn(&decussate)],
+    );
+}
+
+#[test]
+fn figure_14() {
+    let of = |name: &str| grown(&format!("variational-14-{name}"), 1500);
+    let slim = |growth: &Growth| {
+        let tree = &growth.skeleton;
+        (treesynth::metrics::crown_width(tree) / treesynth::metrics::height(tree)) as f32
+    };
+    let [maple, pine, ash, camphor, oak] = ["maple", "pine", "ash", "camphor", "oak"].map(of);
+    let [elm, spruce, birch, box_elder] = ["elm", "spruce", "birch", "boxelder"].map(of);
+    for growth in [&elm, &camphor, &box_elder, &maple] {
+        ascending("stems that dissolve", &[stem(growth), 0.6]);
+    }
+    for growth in [&pine, &spruce, &birch] {
+        ascending("stems to the top", &[0.7, stem(growth)]);
+    }
+    ascending("angles of elm, oak and spruce", &[&elm, &oak, &spruce].map(mean_angle));
+    ascending("width over height", &[&birch, &ash, &maple, &camphor].map(slim));
 }
 
 #[test]
