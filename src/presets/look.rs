@@ -139,7 +139,7 @@ pub(super) const WILLOW: Look = Look {
 };
 
 pub(super) const BIRCH: Look = Look {
-    bark: [206, 201, 190],
+    bark: [184, 178, 168],
     summer: [104, 140, 60],
     autumn: [222, 190, 70],
     leaves: Some(|| {
