@@ -150,7 +150,7 @@ mod tests {
         refused(&FORK.replace("0.5]", "-1e39]"), "");
     }
 
-    /// Gives or takes so many bytes, then fails.
+    /// Gives so many bytes, then fails.
     struct Broken(usize);
 
     impl Read for Broken {
@@ -163,26 +163,9 @@ mod tests {
         }
     }
 
-    impl Write for Broken {
-        fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
-            let taken = bytes.len().min(self.0);
-            self.0 -= taken;
-            if taken == 0 { Err(io::ErrorKind::StorageFull.into()) } else { Ok(taken) }
-        }
-
-        fn flush(&mut self) -> io::Result<()> {
-            Ok(())
-        }
-    }
-
     #[test]
-    fn readers_and_writers_may_fail() {
+    fn readers_may_fail() {
         assert!(matches!(read_skeleton(Broken(50)), Err(ReadError::Io(_) | ReadError::Syntax { .. })));
-        let skeleton = read(FORK).expect("sound");
-        for room in [0, 1, 20, 100] {
-            let result = write_skeleton(&skeleton, Broken(room));
-            assert!(matches!(result, Err(ExportError::Io(e)) if e.kind() == io::ErrorKind::StorageFull));
-        }
     }
 
     proptest! {

@@ -101,7 +101,7 @@ impl Tubes {
     /// around it within `error` of the circle, instead of asking for sides and a turn. What is too small to be seen at
     /// that error is left out: collars thinner than it, and branches that show, with all they bear, an area of less
     /// than 4 `error`². Other branches thinner than it are wider instead, up to it, so that the crown stays as dense.
-    /// Any length above 0; default none.
+    /// At least 1e-6 m; default none.
     ///
     /// Polygons are as wide as their tubes on the average of all directions. For several errors of one tree, see
     /// [`Levels`](super::Levels).
@@ -168,12 +168,8 @@ impl Tubes {
         ParameterError::unless(holds(self.least_sides), "Tubes.least_sides", self.least_sides, range)?;
         ParameterError::unless(self.turn >= 0.05, "Tubes.turn", self.turn, "at least 0.05 rad")?;
         let error = self.error.unwrap_or(1.0);
-        ParameterError::unless(
-            error > 0.0 && error.is_finite(),
-            "Tubes.error",
-            error,
-            "above 0 m and finite",
-        )?;
+        let holds = error >= 1e-6 && error.is_finite();
+        ParameterError::unless(holds, "Tubes.error", error, "at least 1e-6 m and finite")?;
         let holds = (0.0..=3.0).contains(&self.root_flare);
         ParameterError::unless(holds, "Tubes.root_flare", self.root_flare, "0 to 3")?;
         ParameterError::unless((1e-4..=1e4).contains(&self.tile), "Tubes.tile", self.tile, "1e-4 to 1e4 m")

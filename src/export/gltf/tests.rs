@@ -146,32 +146,6 @@ fn what_is_wrong_is_named() {
     assert!(matches!(write_glb_levels(&two, &fine, io::sink()), Err(ExportError::EmptyMesh)));
 }
 
-/// Takes so many bytes, then fails.
-struct Full(usize);
-
-impl Write for Full {
-    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
-        let taken = bytes.len().min(self.0);
-        self.0 -= taken;
-        if taken == 0 { Err(io::ErrorKind::StorageFull.into()) } else { Ok(taken) }
-    }
-
-    fn flush(&mut self) -> io::Result<()> {
-        Ok(())
-    }
-}
-
-#[test]
-fn a_full_disk_is_reported() {
-    let mesh = tree();
-    let length = written(&mesh, &GlbOptions::default()).len();
-    for room in [0, 1, 13, 100, length / 2, length - 1] {
-        let result = write_glb(&mesh, &GlbOptions::default(), Full(room));
-        assert!(matches!(result, Err(ExportError::Io(e)) if e.kind() == io::ErrorKind::StorageFull));
-    }
-    assert!(write_glb(&mesh, &GlbOptions::default(), Full(length)).is_ok());
-}
-
 #[test]
 fn meshes_and_materials_are_written_once() {
     let (bark, leaf) = (tree(), tree());

@@ -287,7 +287,7 @@ type Writer<'a> = &'a dyn Fn(&mut dyn Write) -> Result<(), ExportError>;
 fn a_full_disk_is_reported() {
     let (skeleton, bark, leaves) = tree();
     let parts = [Part::new(&bark), leaves.part()];
-    let writers: [Writer<'_>; 7] = [
+    let writers: [Writer<'_>; 8] = [
         &|out| write_obj(&parts, "tree.mtl", out),
         &|out| write_mtl(&parts, out),
         &|out| write_ply(&parts, PlyFormat::Binary, out),
@@ -295,6 +295,7 @@ fn a_full_disk_is_reported() {
         &|out| write_stl(&parts, out),
         &|out| write_svg(&skeleton, &SvgOptions::default(), out),
         &|out| write_glb_parts(&parts, &GlbOptions::default(), out),
+        &|out| write_skeleton(&skeleton, out),
     ];
     for write in writers {
         let mut whole = Vec::new();
