@@ -51,6 +51,7 @@ pub mod foliage;
 pub mod guided;
 pub mod math;
 pub mod metrics;
+mod nearest;
 mod observer;
 mod parallel;
 mod parameter;
