@@ -1,29 +1,39 @@
 //! Fills a shape with a tree: a model (`.glb`), a picture (`.png`) and the energy of each step (`.energy.png`).
 //!
-//!     cargo run --release --example shape_tree -- [--preset NAME] [--nodes N] [--seed N] [--out DIR] [--size PIXELS]
+//!     cargo run --release --example shape_tree -- [MESH | --sketch FILE.svg | --preset NAME] [--height METRES]
+//!         [--nodes N] [--seed N] [--out DIR] [--size PIXELS]
 //!
-//! `--list` names the presets.
+//! MESH is an OBJ, STL or PLY file; `scripts/fetch_bunny` fetches one. Of an SVG file the first `<path>` is the crown's
+//! silhouette from the front, a second its silhouette from the side; transforms are not looked at. `--list` names the
+//! presets.
 
 use indicatif::{ProgressBar, ProgressStyle};
-use lexopt::prelude::{Long, ValueExt};
+use lexopt::prelude::{Long, Value, ValueExt};
 use std::fs::{self, File};
-use std::io::BufWriter;
+use std::io::{BufReader, BufWriter};
 use std::ops::ControlFlow;
-use std::path::PathBuf;
-use treesynth::Progress;
+use std::path::{Path, PathBuf};
 use treesynth::export::gltf::{GlbOptions, write_glb};
 use treesynth::glam::Vec2;
 use treesynth::preview::{Picture, Preview, PreviewError};
+use treesynth::shape::{Outline, Sketch, TriangleMesh};
 use treesynth::surface::Tubes;
-use treesynth::variational::{self, Step, StepKind};
+use treesynth::variational::{self, GuidanceShape, Level, Step, StepKind, VariationalSynth};
+use treesynth::{Progress, Shape};
 
-fn main() -> Result<(), Box<dyn std::error::Error>> {
+type Failure = Box<dyn std::error::Error>;
+
+fn main() -> Result<(), Failure> {
     let mut name = "variational-14-oak".to_owned();
-    let (mut nodes, mut seed, mut size) = (None, None, 800);
+    let (mut mesh, mut sketch) = (None, None);
+    let (mut nodes, mut seed, mut size, mut height) = (None, None, 800, 8.0);
     let mut out = PathBuf::from("out");
     let mut arguments = lexopt::Parser::from_env();
     while let Some(argument) = arguments.next()? {
         match argument {
+            Value(path) => mesh = Some(PathBuf::from(path)),
+            Long("sketch") => sketch = Some(PathBuf::from(arguments.value()?)),
+            Long("height") => height = arguments.value()?.parse()?,
             Long("preset") => name = arguments.value()?.string()?,
             Long("nodes") => nodes = Some(arguments.value()?.parse()?),
             Long("seed") => seed = Some(arguments.value()?.parse()?),
@@ -36,15 +46,22 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
             other => return Err(other.unexpected().into()),
         }
     }
-    let preset = variational::by_name(&name).ok_or_else(|| format!("no preset {name}; --list names them"))?;
-    let synth = preset.synth(nodes.unwrap_or(preset.shape_nodes))?;
+    let (synth, seed) = if let Some(path) = mesh.as_ref().or(sketch.as_ref()) {
+        path.file_stem().and_then(|stem| stem.to_str()).unwrap_or("shape").clone_into(&mut name);
+        let shape = if mesh.is_some() { read_mesh(path, height)? } else { read_sketch(path, height)? };
+        (filled(&*shape, nodes.unwrap_or(4000))?, seed.unwrap_or(1))
+    } else {
+        let preset =
+            variational::by_name(&name).ok_or_else(|| format!("no preset {name}; --list names them"))?;
+        (preset.synth(nodes.unwrap_or(preset.shape_nodes))?, seed.unwrap_or(preset.seed))
+    };
     let bar =
         ProgressBar::new(1000).with_style(ProgressStyle::with_template("{bar:40} {percent}% {elapsed}")?);
     let watch = |progress: Progress| {
         bar.set_position((progress.fraction * 1000.0) as u64);
         ControlFlow::Continue(())
     };
-    let growth = synth.grow(seed.unwrap_or(preset.seed), &watch)?;
+    let growth = synth.grow(seed, &watch)?;
     bar.finish();
     let best = growth.trace[growth.best];
     println!("{} shape nodes, {} internodes", synth.shape().len(), growth.skeleton.segments());
@@ -55,6 +72,42 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     write_glb(&mesh, &GlbOptions::default(), create("glb")?)?;
     Preview::default().with_size(size, size).draw(&mesh)?.write_png(create("png")?)?;
     Ok(plot(&growth.trace, size)?.write_png(create("energy.png")?)?)
+}
+
+/// On a trunk a sixth as high as the shape.
+fn read_mesh(path: &Path, height: f32) -> Result<Box<dyn Shape>, Failure> {
+    let file = BufReader::new(File::open(path)?);
+    let mesh = match path.extension().and_then(|ending| ending.to_str()) {
+        Some("obj") => TriangleMesh::read_obj(file)?,
+        Some("stl") => TriangleMesh::read_stl(file)?,
+        Some("ply") => TriangleMesh::read_ply(file)?,
+        _ => return Err("a mesh is an .obj, .stl or .ply file".into()),
+    };
+    println!("{} triangles: {}", mesh.triangles().len(), mesh.flaws());
+    Ok(Box::new(mesh.fitted(height / 6.0, height)?))
+}
+
+fn read_sketch(path: &Path, height: f32) -> Result<Box<dyn Shape>, Failure> {
+    let text = fs::read_to_string(path)?;
+    let document = roxmltree::Document::parse(&text)?;
+    let paths = document.descendants().filter(|node| node.has_tag_name((SVG, "path")));
+    let mut outlines = paths.filter_map(|node| node.attribute("d")).map(Outline::from_svg_path);
+    let front = outlines.next().ok_or("there is no <path> in the file")??;
+    let mut sketch = Sketch::new(front.fitted(height / 6.0, height));
+    if let Some(side) = outlines.next() {
+        sketch = sketch.with_side(side?.fitted(height / 6.0, height));
+    }
+    Ok(Box::new(sketch))
+}
+
+const SVG: &str = "http://www.w3.org/2000/svg";
+
+/// Half of the shape nodes on the surface, half in the volume.
+fn filled(shape: &dyn Shape, nodes: usize) -> Result<VariationalSynth, Failure> {
+    let surface = GuidanceShape::on_surface(shape, nodes / 2, 1)?;
+    let shape = surface.joined(&GuidanceShape::in_volume(shape, nodes - nodes / 2, 1)?);
+    let axis = Level::default().with_apical_control(0.9);
+    Ok(VariationalSynth::new(shape).with_levels([axis.with_metamers(7), axis, axis, axis]))
 }
 
 /// F over the steps, as in figure 10: red where a level begins, brown where branches were pruned.

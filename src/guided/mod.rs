@@ -8,6 +8,7 @@
 //! [`TreeSynth`] composes a [`GraphBuilder`], a list of [`Stage`]s, each with a [`GuidingRule`], a [`WeightFn`] and
 //! an [`EndpointPolicy`], and a [`RadiusModel`](crate::RadiusModel).
 
+mod around;
 mod endpoint;
 mod graph;
 mod queue;
@@ -17,7 +18,10 @@ mod search;
 mod synth;
 mod weight;
 
-pub use endpoint::{Count, EndpointError, EndpointPolicy, HopSurface, InShape, NearestTo, Side, StageView};
+pub use around::AroundTree;
+pub use endpoint::{
+    Count, EndpointError, EndpointPolicy, HopSurface, InShape, NearestTo, NearestToEach, Side, StageView,
+};
 pub use graph::{
     Edges, GradedYao, Graph, GraphBuilder, GraphError, Lattice, NearSurface, PointCloud, PoissonYao,
     SizingField, SizingFn, Spacing,

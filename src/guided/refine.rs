@@ -3,7 +3,7 @@
 //! Section 4 of the paper calls the memory of one fine graph "likely the largest limitation" and section 5 wants "a
 //! hierarchical or variable-resolution graph". Here memory grows with the tree, not with the space.
 
-use super::graph::around_tree;
+use super::graph::{Graph, GraphError, around_tree};
 use super::search::Search;
 use super::synth::{SynthesisError, skeleton};
 use crate::observer::Observer;
@@ -120,6 +120,24 @@ impl Refinement {
     ) -> Result<Vec<u32>, SynthesisError> {
         let vectors: Vec<Vec3> = search.source_vectors();
         let tree = skeleton(search)?.relaxed(0.5, self.relaxation)?;
+        let seed = derive(seed, stage as u32, Purpose::NODES);
+        let (graph, carried) = self.surround(&tree, &vectors, seed, observer)?;
+        search.adopt(graph, &carried);
+        Ok(carried.places)
+    }
+
+    pub(super) fn relaxation(&self) -> u32 {
+        self.relaxation
+    }
+
+    /// The finer graph around a tree whose nodes have these guiding vectors.
+    pub(super) fn surround(
+        &self,
+        tree: &Skeleton,
+        vectors: &[Vec3],
+        seed: u64,
+        observer: &dyn Observer,
+    ) -> Result<(Graph, Carried), GraphError> {
         let root = tree.positions()[0];
         ParameterError::unless(
             self.region.contains(root),
@@ -134,7 +152,7 @@ impl Refinement {
             self.spacing,
             "coarse enough to divide the tree into at most 20000000 parts",
         )?;
-        let carried = carry(&tree, &vectors, self.spacing);
+        let carried = carry(tree, vectors, self.spacing);
         let reach = Reach::new(
             &*self.region,
             &carried.positions,
@@ -147,7 +165,6 @@ impl Refinement {
             self.spacing,
             "coarse enough for at most 200000000 nodes within reach of the tree",
         )?;
-        let seed = derive(seed, stage as u32, Purpose::NODES);
         let graph = around_tree(
             &reach,
             &carried.positions,
@@ -157,13 +174,12 @@ impl Refinement {
             seed,
             observer,
         )?;
-        let places = carried.places.clone();
-        search.adopt(graph, &carried);
-        Ok(places)
+        Ok((graph, carried))
     }
 }
 
 /// A tree divided anew. Its nodes are the first of the finer graph, in this order.
+#[derive(Debug, Clone, PartialEq)]
 pub(super) struct Carried {
     pub(super) positions: Vec<Vec3>,
     /// The root's is itself.
@@ -198,6 +214,11 @@ fn carry(tree: &Skeleton, vectors: &[Vec3], spacing: f32) -> Carried {
         };
         for i in 0..nodes.len() as isize - 1 {
             let (from, to) = (nodes[i as usize] as usize, nodes[i as usize + 1] as usize);
+            // A tree of others may have nodes in one place.
+            if at(i).distance_squared(at(i + 1)) < f32::MIN_POSITIVE {
+                carried.places[to] = carried.places[from];
+                continue;
+            }
             let parts = (at(i).distance(at(i + 1)) / (PART * spacing)).round().max(1.0) as u32;
             for part in 1..=parts {
                 let t = part as f32 / parts as f32;

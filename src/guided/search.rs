@@ -42,6 +42,8 @@ pub struct Search<'g> {
     /// A bit a node: the search stops when all of these are settled.
     wanted: Vec<u64>,
     complete: bool,
+    /// Stages that the graph's own tree has used up.
+    stages_before: u16,
 }
 
 /// The graph that a search runs in: the one it was given, or a finer one of its own.
@@ -152,7 +154,7 @@ pub(super) struct Terms<'a> {
 }
 
 impl<'g> Search<'g> {
-    /// The root alone, nothing searched.
+    /// The root alone, or the tree that the graph was built [around](super::AroundTree); nothing searched.
     pub fn new(graph: &'g Graph) -> Self {
         let nodes = graph.nodes();
         let mut search = Self {
@@ -166,12 +168,13 @@ impl<'g> Search<'g> {
             queue: Queue::default(),
             wanted: Vec::new(),
             complete: false,
+            stages_before: 0,
         };
         search.plant();
         search
     }
 
-    /// Forgets the tree; the next begins with the root alone.
+    /// Forgets the tree; the next begins as the first did.
     pub fn reset(&mut self) {
         self.stand_on(Ground::Base(self.base));
         self.plant();
@@ -194,16 +197,25 @@ impl<'g> Search<'g> {
     /// Goes on with a tree that is carried over to a finer graph, whose first nodes are the tree's.
     pub(super) fn adopt(&mut self, graph: Graph, carried: &Carried) {
         self.stand_on(Ground::Finer(Arc::new(graph)));
+        self.take_over(carried);
+    }
+
+    fn take_over(&mut self, carried: &Carried) {
         self.forget();
         for (node, &parent) in (0u32..).zip(&carried.parents) {
             let i = node as usize;
             self.ways[i].parent = if node == 0 { NONE } else { parent };
             self.guides[i] = Guide { vector: carried.vectors[i], hops: carried.hops[i] };
-            self.join(node, usize::from(carried.stages[i]));
+            self.join(node, carried.stages[i]);
         }
     }
 
     fn plant(&mut self) {
+        if let Some(tree) = self.graph.planted().cloned() {
+            self.take_over(&tree);
+            self.stages_before = tree.stages.iter().max().map_or(0, |stage| stage.saturating_add(1));
+            return;
+        }
         let root = self.graph.root();
         self.forget();
         self.ways[root as usize].parent = NONE;
@@ -372,6 +384,7 @@ impl<'g> Search<'g> {
                 return Err(SearchError::Unreachable { stage, node });
             }
         }
+        let joined = self.stages_before.saturating_add(stage as u16);
         let mut path = Vec::new();
         for &endpoint in endpoints {
             let mut node = endpoint;
@@ -380,17 +393,17 @@ impl<'g> Search<'g> {
                 node = self.ways[node as usize].parent;
             }
             while let Some(node) = path.pop() {
-                self.join(node, stage);
+                self.join(node, joined);
             }
         }
         Ok(())
     }
 
-    fn join(&mut self, node: u32, stage: usize) {
+    fn join(&mut self, node: u32, stage: u16) {
         self.place[node as usize] = self.tree.len() as u32;
         self.ways[node as usize].cost = 0.0;
         self.tree.push(node);
-        self.stages.push(stage as u16);
+        self.stages.push(stage);
     }
 
     /// The graph; after a [`Refinement`](super::Refinement) the finer one.

@@ -217,6 +217,14 @@ impl<S: Shape> Shape for Translated<S> {
         }
         None
     }
+
+    fn surface_area(&self) -> Option<f32> {
+        self.shape.surface_area()
+    }
+
+    fn sample_surface(&self, random: &mut dyn rand::Rng) -> Option<Vec3> {
+        Some(self.shape.sample_surface(random)? + self.offset)
+    }
 }
 
 fn shared_volume(first: &impl Shape, second: &impl Shape) -> f32 {

@@ -2,8 +2,8 @@
 //!
 //! A [`Shape`] says which points it holds. The simple ones are [`Cuboid`], [`Sphere`], [`Ellipsoid`],
 //! [`HalfEllipsoid`], [`Cone`] and [`Cylinder`]; [`Shell`] keeps the rind of another, [`Union`],
-//! [`Intersection`], [`Difference`] and [`Translated`] put others together. What is missing is one
-//! implementation of [`Shape`] away.
+//! [`Intersection`], [`Difference`] and [`Translated`] put others together; [`TriangleMesh`] is a model of
+//! triangles, [`Sketch`] a crown swept from a silhouette, [`Extrusion`] an [`Outline`] with a depth. What is missing is one implementation of [`Shape`] away.
 //!
 //! Planar trees use the same shapes: a planar shape is the slice z = 0 of a spatial one.
 //!
@@ -16,7 +16,10 @@ mod combine;
 mod cone;
 mod cuboid;
 mod ellipsoid;
+mod mesh;
+mod outline;
 mod shell;
+mod sketch;
 #[cfg(test)]
 mod tests;
 
@@ -25,7 +28,10 @@ pub use combine::{Difference, Intersection, Translated, Union};
 pub use cone::{Cone, Cylinder};
 pub use cuboid::Cuboid;
 pub use ellipsoid::{Ellipsoid, HalfEllipsoid, Sphere};
+pub use mesh::{Flaws, TriangleMesh, TriangleMeshError};
+pub use outline::{Extrusion, Outline};
 pub use shell::Shell;
+pub use sketch::{CrossProfile, Sketch};
 
 use std::sync::Arc;
 
@@ -155,6 +161,19 @@ pub trait Shape: Send + Sync {
         }
         draw(TRIES, |point| self.contains(point), || bounds.at(unit_cube(random)))
     }
+
+    /// The area of the surface in square metres, of a shape that can [sample](Self::sample_surface) it. `None` by
+    /// default: who needs the surface then looks for it with `contains`.
+    fn surface_area(&self) -> Option<f32> {
+        None
+    }
+
+    /// A point of the surface, each part of it as likely as its area; `None` where
+    /// [`surface_area`](Self::surface_area) is.
+    fn sample_surface(&self, random: &mut dyn rand::Rng) -> Option<Vec3> {
+        let _ = random;
+        None
+    }
 }
 
 macro_rules! forward {
@@ -182,6 +201,14 @@ macro_rules! forward {
             fn sample(&self, random: &mut dyn rand::Rng) -> Option<Vec3> {
                 (**self).sample(random)
             }
+
+            fn surface_area(&self) -> Option<f32> {
+                (**self).surface_area()
+            }
+
+            fn sample_surface(&self, random: &mut dyn rand::Rng) -> Option<Vec3> {
+                (**self).sample_surface(random)
+            }
         }
     )*};
 }
@@ -203,27 +230,34 @@ fn unit_cube(random: &mut dyn rand::Rng) -> Vec3 {
     Vec3::new(random.random(), random.random(), random.random())
 }
 
-/// Volume of what `contains` accepts within `bounds`: one point in each cell of a lattice, not always in
-/// the cell's middle, so that faces parallel to the axes do not line up with the lattice.
+/// Volume of what `contains` accepts within `bounds`.
 fn lattice_volume(bounds: Bounds, contains: impl Fn(Vec3) -> bool) -> f32 {
     if bounds.is_empty() || !bounds.is_finite() {
         return 0.0;
     }
-    let mut hits = 0_u32;
+    let (mut hits, mut number) = (0_u32, 0_u32);
+    lattice(bounds, CELLS, |point| {
+        hits += u32::from(contains(point));
+        number += 1;
+    });
+    // Bounds of a shape that fails its check may be so large that their volume overflows.
+    if hits == 0 { 0.0 } else { bounds.volume() * (hits as f32 / number as f32) }
+}
+
+/// One point in each cell of a lattice in `bounds`, not always in the cell's middle, so that faces parallel to the axes
+/// do not line up with the lattice.
+fn lattice(bounds: Bounds, cells: u16, mut see: impl FnMut(Vec3)) {
     let mut number = 0_u32;
-    for x in 0..CELLS {
-        for y in 0..CELLS {
-            for z in 0..CELLS {
+    for x in 0..cells {
+        for y in 0..cells {
+            for z in 0..cells {
                 let within = STEPS.map(|step| (f64::from(number) * step).fract() as f32);
                 let cell = Vec3::new(f32::from(x), f32::from(y), f32::from(z));
-                let point = bounds.at((cell + Vec3::from_array(within)) / f32::from(CELLS));
-                hits += u32::from(contains(point));
+                see(bounds.at((cell + Vec3::from_array(within)) / f32::from(cells)));
                 number += 1;
             }
         }
     }
-    // Bounds of a shape that fails its check may be so large that their volume overflows.
-    if hits == 0 { 0.0 } else { bounds.volume() * (hits as f32 / number as f32) }
 }
 
 fn check_position(parameter: &str, position: Vec3) -> Result<(), ParameterError> {

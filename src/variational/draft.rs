@@ -4,8 +4,8 @@ use glam::DVec3;
 
 use super::energy::Wish;
 use super::level::Level;
-use super::nearest::nearest;
 use crate::math::sin_cos;
+use crate::nearest::nearest;
 use crate::random::{Purpose, unit};
 
 /// Branch nodes come parents before children, the root first; every shape node hangs on one of them.
@@ -74,10 +74,10 @@ impl Draft {
     }
 
     /// "Structure initialization" (section 4.2): on every branch node of an earlier stage with at least `least` shape nodes
-    /// an axis of `level`, towards the middle of these. The first level is the trunk's.
+    /// an axis of level `stage`, towards the middle of these. The first level is the trunk's.
     pub(super) fn initialize(
         &mut self,
-        level: &Level,
+        levels: &[Level],
         stage: u16,
         least: usize,
         places: &[DVec3],
@@ -86,7 +86,12 @@ impl Draft {
         let before = self.len();
         let clusters = Lists::new(before, &self.owners);
         let mut bears = vec![false; before];
-        self.parents.iter().skip(1).for_each(|&parent| bears[parent as usize] = true);
+        let mut goes_on = vec![false; before];
+        for node in 1..before {
+            let parent = self.parents[node] as usize;
+            bears[parent] = true;
+            goes_on[parent] |= self.stages[node] == self.stages[parent];
+        }
         let suits = |node: usize| {
             if stage == 0 {
                 !bears[0]
@@ -98,20 +103,14 @@ impl Draft {
         for base in bases {
             let cluster: Vec<DVec3> = clusters.of(base).iter().map(|&i| places[i as usize]).collect();
             let azimuth = std::f32::consts::TAU * unit(seed, u32::from(stage), Purpose::AZIMUTH, base as u64);
-            self.axis(base, bears[base], level, stage, &cluster, azimuth);
+            // From the end of an axis it goes straight on; elsewhere it stands at that axis's angle.
+            let lean = if goes_on[base] { levels[usize::from(self.stages[base])].angle() } else { 0.0 };
+            self.axis(base, lean, &levels[usize::from(stage)], stage, &cluster, azimuth);
         }
     }
 
     /// One axis and its branches: figure 4.
-    fn axis(
-        &mut self,
-        base: usize,
-        is_branch: bool,
-        level: &Level,
-        stage: u16,
-        cluster: &[DVec3],
-        azimuth: f32,
-    ) {
+    fn axis(&mut self, base: usize, lean: f32, level: &Level, stage: u16, cluster: &[DVec3], azimuth: f32) {
         let from = self.positions[base];
         let incoming = (from - self.positions[self.parents[base] as usize]).normalize_or(DVec3::Y);
         let middle = cluster.iter().map(|&place| place - from).sum::<DVec3>();
@@ -136,7 +135,7 @@ impl Draft {
         let mut mates: Vec<usize> = Vec::new();
         for metamer in 0..metamers {
             let length = if metamer == 0 { start + step } else { step };
-            let lean = if metamer == 0 && is_branch { level.angle() } else { 0.0 };
+            let lean = if metamer == 0 { lean } else { 0.0 };
             let wish = Wish::new(length).with_angle(f64::from(lean));
             node = self.push(from + along * (start + step * (metamer + 1) as f64), node, stage, wish);
             let bearer = node;
@@ -204,11 +203,17 @@ impl Draft {
     fn keep(&mut self, holds: impl Fn(usize) -> bool) {
         let mut names = vec![0_u32; self.len()];
         let mut kept = Self::new(self.positions[0], 0);
+        let mut wishes = self.wishes.clone();
         for node in 1..self.len() {
-            let parent = names[self.parents[node] as usize];
+            let below = self.parents[node] as usize;
+            let parent = names[below];
             names[node] = parent;
+            // What went straight on from a node that is gone stands where that stood, at its angle.
+            if below > 0 && !holds(below) && self.stages[below] == self.stages[node] {
+                (wishes[node].angle, wishes[node].turn) = (wishes[below].angle, wishes[below].turn);
+            }
             if holds(node) {
-                let mut wish = self.wishes[node];
+                let mut wish = wishes[node];
                 wish.turn =
                     wish.turn.map(|(mate, turn)| (names[mate as usize], turn)).filter(|&(mate, _)| {
                         parent > 0

@@ -3,8 +3,8 @@
 use glam::DVec3;
 
 use super::guidance::GuidanceShape;
-use super::nearest::nearest;
 use super::term::{angle, turn, wrapped};
+use crate::nearest::nearest;
 use crate::{ParameterError, Skeleton};
 
 /// A term of the energy, and how it changes with every node's position.

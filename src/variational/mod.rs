@@ -24,9 +24,9 @@
 mod draft;
 mod energy;
 mod guidance;
+mod letter;
 mod level;
 mod model;
-mod nearest;
 mod preset;
 mod synth;
 mod term;

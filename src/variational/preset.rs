@@ -1,13 +1,14 @@
-//! The trees of the paper's figures 7, 8, 12 and 14.
+//! The trees of the paper's figures 6, 7, 8, 12, 13 and 14.
 
 use std::f32::consts::PI;
 
-use glam::Vec3;
+use glam::{Vec2, Vec3};
 
 use super::Phyllotaxis::{Alternate, Decussate, Opposite, Spiral, Whorled};
+use super::letter::letter;
 use super::{GuidanceShape, Level, Phyllotaxis, VariationalSynth};
 use crate::radius::{PipeModel, Taper};
-use crate::shape::{Cone, Ellipsoid, HalfEllipsoid, Union};
+use crate::shape::{Cone, CrossProfile, Ellipsoid, Extrusion, HalfEllipsoid, Outline, Sketch, Union};
 use crate::{ParameterError, Shape};
 
 /// A tree of one of the figures.
@@ -74,6 +75,19 @@ pub fn by_name(name: &str) -> Option<&'static Preset> {
 }
 
 const PRESETS: &[Preset] = &[
+    Preset::new("variational-06-front", 6, "A crown sketched from the front, cut off behind.", |count| {
+        let behind = CrossProfile::new([1.0, 1.1, 1.2, 1.1, 1.0, 0.6, 0.35, 0.6]);
+        let crown = Sketch::new(outline(&WINDSWEPT)).with_profiles([
+            CrossProfile::ROUND,
+            behind,
+            CrossProfile::ROUND,
+        ]);
+        tree(&crown, count, 0.4, &[axis(6, 0.8, 50.0, Spiral), axis(4, 0.8, 45.0, Spiral), twig(0.8)])
+    }),
+    Preset::new("variational-06-both", 6, "A crown sketched from the front and from the side.", |count| {
+        let crown = Sketch::new(outline(&CLOUDS)).with_side(outline(&SLAB));
+        tree(&crown, count, 0.5, &[axis(5, 0.7, 60.0, Spiral), axis(4, 0.8, 50.0, Spiral), twig(0.8)])
+    }),
     Preset::new("variational-07-n5", 7, "N = 5.", |count| dome(count, axis(5, 0.8, 45.0, Spiral))),
     Preset::new("variational-07-n7", 7, "N = 7.", |count| dome(count, axis(7, 0.8, 45.0, Spiral))),
     Preset::new("variational-07-n9", 7, "N = 9.", |count| dome(count, axis(9, 0.8, 45.0, Spiral))),
@@ -122,6 +136,22 @@ const PRESETS: &[Preset] = &[
         },
     )
     .with_shape_nodes(1792),
+    Preset::new("variational-13-g", 13, "G of GRAPHICS.", |count| solid_letter(count, 'G'))
+        .with_shape_nodes(5000),
+    Preset::new("variational-13-r", 13, "R of GRAPHICS.", |count| solid_letter(count, 'R'))
+        .with_shape_nodes(5000),
+    Preset::new("variational-13-a", 13, "A of GRAPHICS.", |count| solid_letter(count, 'A'))
+        .with_shape_nodes(5000),
+    Preset::new("variational-13-p", 13, "P of GRAPHICS.", |count| solid_letter(count, 'P'))
+        .with_shape_nodes(5000),
+    Preset::new("variational-13-h", 13, "H of GRAPHICS.", |count| solid_letter(count, 'H'))
+        .with_shape_nodes(5000),
+    Preset::new("variational-13-i", 13, "I of GRAPHICS.", |count| solid_letter(count, 'I'))
+        .with_shape_nodes(5000),
+    Preset::new("variational-13-c", 13, "C of GRAPHICS.", |count| solid_letter(count, 'C'))
+        .with_shape_nodes(5000),
+    Preset::new("variational-13-s", 13, "S of GRAPHICS.", |count| solid_letter(count, 'S'))
+        .with_shape_nodes(5000),
     Preset::new(
         "variational-14-maple",
         14,
@@ -191,6 +221,52 @@ fn axis(metamers: u32, apical_control: f32, degrees: f32, phyllotaxis: Phyllotax
 /// The last level of most trees.
 fn twig(apical_control: f32) -> Level {
     axis(4, apical_control, 40.0, Spiral)
+}
+
+/// Silhouettes, metres, drawn by hand.
+const WINDSWEPT: [(f32, f32); 10] = [
+    (0.2, 2.2),
+    (2.0, 2.6),
+    (4.6, 4.0),
+    (5.4, 5.6),
+    (4.0, 6.8),
+    (2.2, 8.2),
+    (0.2, 8.6),
+    (-1.6, 7.2),
+    (-2.2, 5.2),
+    (-1.4, 3.0),
+];
+const CLOUDS: [(f32, f32); 14] = [
+    (0.0, 2.6),
+    (1.6, 3.0),
+    (3.6, 3.2),
+    (4.2, 4.4),
+    (3.0, 5.4),
+    (1.8, 5.9),
+    (2.8, 6.8),
+    (2.4, 8.2),
+    (0.6, 8.9),
+    (-1.4, 8.4),
+    (-1.9, 7.0),
+    (-1.6, 6.0),
+    (-3.4, 5.0),
+    (-2.6, 3.2),
+];
+const SLAB: [(f32, f32); 6] = [(0.0, 2.4), (1.6, 3.6), (1.8, 6.0), (0.8, 9.0), (-0.8, 9.0), (-1.6, 5.0)];
+
+fn outline(points: &[(f32, f32)]) -> Outline {
+    Outline::smooth(points.iter().map(|&point| Vec2::from(point)).collect::<Vec<_>>())
+}
+
+/// On a trunk of its own.
+fn solid_letter(count: usize, of: char) -> Result<VariationalSynth, ParameterError> {
+    let solid = Extrusion::new(letter(of, 1.6), 1.2);
+    tree(
+        &solid,
+        count,
+        0.26,
+        &[axis(6, 0.9, 45.0, Spiral), axis(6, 1.0, 45.0, Spiral), axis(4, 1.0, 40.0, Spiral), twig(1.0)],
+    )
 }
 
 /// The shape of figure 7, the same for all of its trees.

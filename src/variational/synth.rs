@@ -425,11 +425,17 @@ impl Run<'_> {
     fn levels(&mut self) -> Result<f64, Cancelled> {
         let synth = self.synth;
         let mut total = f64::INFINITY;
-        for (level, rule) in synth.levels.iter().enumerate() {
+        for level in 0..synth.levels.len() {
             let all = synth.levels.len() as u32 * (1 + synth.refinements);
             report(self.observer, Work::Optimization, (self.done as f32 / all as f32).min(0.999))?;
             self.done += 1;
-            self.draft.initialize(rule, level as u16, synth.least_cluster, &self.nodes.places, self.seed);
+            self.draft.initialize(
+                &synth.levels,
+                level as u16,
+                synth.least_cluster,
+                &self.nodes.places,
+                self.seed,
+            );
             self.draft.partition(&self.nodes.places);
             let terms = self.terms(&self.draft);
             total = self.note(StepKind::Initialization { level }, terms);

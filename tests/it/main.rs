@@ -19,6 +19,7 @@ mod outside;
 #[cfg(feature = "testing")]
 mod refinement;
 mod sample;
+mod shapes;
 mod stability;
 mod surface;
 mod variational;

@@ -4,7 +4,7 @@ mod surface;
 mod volume;
 
 pub use surface::{HopSurface, Side};
-pub use volume::{InShape, NearestTo};
+pub use volume::{InShape, NearestTo, NearestToEach};
 
 use super::graph::Graph;
 use super::search::Search;

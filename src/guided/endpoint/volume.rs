@@ -1,9 +1,10 @@
 //! Early endpoints: in a volume (section 3.2.2).
 
 use super::{Count, EndpointError, EndpointPolicy, StageView, choose_uniform};
+use crate::nearest::nearest;
 use crate::parameter::ParameterError;
 use crate::shape::Shape;
-use glam::Vec3;
+use glam::{DVec3, Vec3};
 use rand::seq::SliceRandom;
 use rand_chacha::ChaCha8Rng;
 use smallvec::SmallVec;
@@ -35,6 +36,67 @@ impl EndpointPolicy for NearestTo {
 
     fn check(&self) -> Result<(), ParameterError> {
         ParameterError::unless(self.point.is_finite(), "NearestTo.point", self.point, "finite, in metres")
+    }
+}
+
+/// For each of some points the reachable node nearest to it: shape nodes of a
+/// [`GuidanceShape`](crate::variational::GuidanceShape), places of a scan.
+///
+/// A node that is nearest to several points counts once, and so may be fewer endpoints than points; the denser the graph,
+/// the nearer they are. O((n + m) log n) for m points.
+///
+/// ```
+/// use treesynth::glam::Vec3;
+/// use treesynth::guided::{Bend, NearestTo, NearestToEach, PoissonYao, Stage, TreeSynth};
+/// use treesynth::shape::{Cuboid, HalfEllipsoid};
+/// use treesynth::variational::GuidanceShape;
+///
+/// let crown = HalfEllipsoid::new(Vec3::Y * 2.0, Vec3::new(2.0, 3.0, 2.0));
+/// let shape = GuidanceShape::on_surface(&crown, 150, 1)?;
+/// let region = Cuboid::new(Vec3::new(-2.5, 0.0, -2.5), Vec3::new(2.5, 5.5, 2.5));
+/// let tree = TreeSynth::new(PoissonYao::new(region).with_nodes(10_000))
+///     .stage(Stage::new(Bend::none(), NearestTo::new(Vec3::Y * 3.5)))
+///     .stage(Stage::new(Bend::constant(0.05), NearestToEach::new(shape.positions())))
+///     .synthesize(1)?;
+/// assert!(tree.tips().count() > 100);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Debug, Clone, PartialEq)]
+pub struct NearestToEach {
+    points: Vec<Vec3>,
+}
+
+impl NearestToEach {
+    /// The nodes nearest to `points`, metres; at least one.
+    pub fn new(points: impl Into<Vec<Vec3>>) -> Self {
+        Self { points: points.into() }
+    }
+}
+
+impl EndpointPolicy for NearestToEach {
+    fn select(&self, view: &StageView<'_>) -> Result<Vec<u32>, EndpointError> {
+        let candidates = view.candidates(|_, _| true);
+        if candidates.is_empty() {
+            let (wanted, place) = (self.points.len(), "off the tree and reachable");
+            return Err(EndpointError::TooFew { wanted, available: 0, place });
+        }
+        let places: Vec<DVec3> =
+            candidates.iter().map(|&node| view.graph().position(node).as_dvec3()).collect();
+        let points: Vec<DVec3> = self.points.iter().map(|point| point.as_dvec3()).collect();
+        let mut found: Vec<u32> =
+            nearest(&places, &points).into_iter().map(|place| candidates[place as usize]).collect();
+        found.sort_unstable();
+        found.dedup();
+        Ok(found)
+    }
+
+    fn check(&self) -> Result<(), ParameterError> {
+        let count = self.points.len();
+        ParameterError::unless(count > 0, "NearestToEach.points", count, "at least one point")?;
+        self.points.iter().enumerate().try_for_each(|(number, point)| {
+            let name = format!("NearestToEach.points[{number}]");
+            ParameterError::unless(point.is_finite(), &name, point, "finite, in metres")
+        })
     }
 }
 

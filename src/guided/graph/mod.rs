@@ -21,6 +21,7 @@ pub use poisson::PoissonYao;
 pub use sizing::{NearSurface, SizingField, SizingFn};
 pub use spacing::Spacing;
 
+use super::refine::Carried;
 use crate::observer::{Cancelled, Observer};
 use crate::parameter::ParameterError;
 use glam::Vec3;
@@ -95,6 +96,8 @@ pub struct Graph {
     targets: Vec<u32>,
     root: u32,
     hops_from_root: OnceLock<Vec<u32>>,
+    /// The tree that every tree in it begins with, if not the root alone.
+    planted: Option<Arc<Carried>>,
 }
 
 /// Equal nodes, edges and root; what has been asked for already does not matter.
@@ -105,6 +108,7 @@ impl PartialEq for Graph {
             && self.starts == other.starts
             && self.targets == other.targets
             && self.positions == other.positions
+            && self.planted == other.planted
     }
 }
 
@@ -246,7 +250,18 @@ impl Graph {
 
     /// For builders that make valid parts by construction.
     fn from_parts(positions: Vec<Vec3>, starts: Vec<u32>, targets: Vec<u32>, root: u32) -> Self {
-        Self { positions, starts, targets, root, hops_from_root: OnceLock::new() }
+        Self { positions, starts, targets, root, hops_from_root: OnceLock::new(), planted: None }
+    }
+
+    /// The same graph with a tree in it, whose nodes are the first of the graph's.
+    pub(super) fn with_planted(mut self, tree: Carried) -> Self {
+        self.planted = Some(Arc::new(tree));
+        self
+    }
+
+    /// The tree in it.
+    pub(super) fn planted(&self) -> Option<&Arc<Carried>> {
+        self.planted.as_ref()
     }
 
     /// Number of nodes; at least 1.

@@ -1,4 +1,4 @@
-//! The shape partition: which node each shape node is nearest to.
+//! Which of some nodes each of some places is nearest to.
 
 use std::num::NonZero;
 
@@ -13,7 +13,7 @@ const CHUNK: usize = 2048;
 
 /// For each of `places` the number of the nearest of `nodes`, of which there is at least one; of those equally near the
 /// lowest. O((n + m) log n); slower where many nodes share a coordinate.
-pub(super) fn nearest(nodes: &[DVec3], places: &[DVec3]) -> Vec<u32> {
+pub(crate) fn nearest(nodes: &[DVec3], places: &[DVec3]) -> Vec<u32> {
     // Only the first node of each place goes into the search tree. Plus zero, to make -0 and 0 one place.
     let mut kept: Vec<([f64; 3], u32)> =
         (0_u32..).zip(nodes).map(|(i, &p)| ((p + DVec3::ZERO).to_array(), i)).collect();

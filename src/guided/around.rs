@@ -1,0 +1,70 @@
+//! Trees that something else has made, as the tree that stages begin with.
+
+use super::graph::{Graph, GraphBuilder, GraphError};
+use super::refine::Refinement;
+use crate::math::UP;
+use crate::observer::Observer;
+use crate::parameter::ParameterError;
+use crate::random::{Purpose, derive};
+use crate::skeleton::Skeleton;
+use glam::Vec3;
+
+/// A graph around a finished tree, whatever made it: the stages begin with that tree instead of the root alone, and
+/// fill in twigs.
+///
+/// The tree is divided anew and its nodes are nodes of the graph, as a [`Refinement`] does it with a tree of earlier
+/// stages. Guiding vectors of its nodes are the directions in which the tree comes to them. The stages of the
+/// [`TreeSynth`](super::TreeSynth) are counted on from the tree's last.
+///
+/// ```
+/// use treesynth::glam::Vec3;
+/// use treesynth::guided::{AroundTree, Bend, HopSurface, Refinement, Stage, TreeSynth};
+/// use treesynth::shape::{Cuboid, HalfEllipsoid};
+/// use treesynth::variational::{GuidanceShape, VariationalSynth};
+///
+/// let crown = HalfEllipsoid::new(Vec3::Y * 2.0, Vec3::new(2.0, 3.0, 2.0));
+/// let limbs = VariationalSynth::new(GuidanceShape::in_volume(&crown, 60, 1)?).synthesize(1)?;
+/// let region = Cuboid::new(Vec3::new(-3.0, 0.0, -3.0), Vec3::new(3.0, 6.0, 3.0));
+/// let around = AroundTree::new(limbs.clone(), Refinement::new(region, 0.12));
+/// let tree = TreeSynth::new(around)
+///     .stage(Stage::new(Bend::piecewise(0.5, 0.0, 1), HopSurface::new(4, 300)))
+///     .synthesize(1)?;
+/// assert!(tree.tips().count() > limbs.tips().count() + 200);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Debug, Clone)]
+pub struct AroundTree {
+    tree: Skeleton,
+    refinement: Refinement,
+}
+
+impl AroundTree {
+    /// The surroundings of `tree` that `refinement` names; its region holds the root.
+    pub fn new(tree: Skeleton, refinement: Refinement) -> Self {
+        Self { tree, refinement }
+    }
+}
+
+impl GraphBuilder for AroundTree {
+    fn build(&self, seed: u64, observer: &dyn Observer) -> Result<Graph, GraphError> {
+        let mut vectors = vec![UP; self.tree.len()];
+        let at = |node: usize| self.tree.positions()[node];
+        for (node, parent) in self.tree.edges() {
+            vectors[node] = (at(node) - at(parent)).normalize_or(vectors[parent]);
+        }
+        let relaxed = self.tree.relaxed(0.5, self.refinement.relaxation());
+        let relaxed = relaxed.map_err(|error| GraphError::Other(error.to_string()))?;
+        let seed = derive(seed, 0, Purpose::NODES);
+        let (graph, carried) = self.refinement.surround(&relaxed, &vectors, seed, observer)?;
+        Ok(graph.with_planted(carried))
+    }
+
+    fn check(&self) -> Result<(), ParameterError> {
+        self.refinement.check()?;
+        let far = |position: &&Vec3| position.abs().max_element() > Graph::MAX_COORDINATE;
+        match self.tree.positions().iter().find(far) {
+            None => Ok(()),
+            Some(position) => Err(ParameterError::new("AroundTree.tree", position, "within 1e9 metres of 0")),
+        }
+    }
+}

@@ -1,0 +1,202 @@
+//! Triangles as they come, made ready: welded, without slivers, turned to look outward.
+
+use glam::{DVec3, Vec3};
+
+use super::winding::{Winding, area_vector};
+use super::{Flaws, TriangleMeshError};
+use crate::shape::LARGEST;
+
+/// Triangles that look outward, and what had to be done for it.
+pub(super) struct Prepared {
+    pub(super) triangles: Vec<[Vec3; 3]>,
+    pub(super) flaws: Flaws,
+    /// Cubic metres by the divergence theorem: exact if the surface is closed and does not cross itself.
+    pub(super) volume: f64,
+}
+
+/// A side of a triangle, named by its ends, the lower first.
+#[derive(PartialEq, Eq, PartialOrd, Ord)]
+struct Side {
+    ends: [u32; 2],
+    triangle: u32,
+    /// Whether the triangle goes from the lower end to the higher.
+    ascends: bool,
+}
+
+pub(super) fn prepare(positions: &[Vec3], triangles: &[[u32; 3]]) -> Result<Prepared, TriangleMeshError> {
+    for (vertex, &position) in positions.iter().enumerate() {
+        if !position.abs().cmple(Vec3::splat(LARGEST)).all() {
+            return Err(TriangleMeshError::Position { vertex, position });
+        }
+    }
+    let vertices = positions.len();
+    for (triangle, corners) in triangles.iter().enumerate() {
+        if let Some(&index) = corners.iter().find(|&&index| index as usize >= vertices) {
+            return Err(TriangleMeshError::Index { triangle, index, vertices });
+        }
+    }
+    let names = weld(positions);
+    let place = |index: u32| positions[index as usize];
+    let welded = triangles.iter().map(|corners| corners.map(|index| names[index as usize]));
+    let mut kept: Vec<[u32; 3]> =
+        welded.filter(|&corners| area_vector(&corners.map(place)).length_squared() > 0.0).collect();
+    let mut flaws = Flaws { without_area: triangles.len() - kept.len(), ..Flaws::default() };
+    if kept.is_empty() {
+        return Err(TriangleMeshError::Empty);
+    }
+    let before = kept.clone();
+    let patches = orient(&mut kept, place);
+    turn_outward(&mut kept, &patches, place);
+    flaws.turned = kept.iter().zip(&before).filter(|(now, then)| now != then).count();
+    flaws.open_sides = open_sides(&kept);
+    let volume = kept.iter().map(|corners| signed_volume(corners.map(place), Vec3::ZERO)).sum();
+    Ok(Prepared { triangles: kept.into_iter().map(|corners| corners.map(place)).collect(), flaws, volume })
+}
+
+/// The first vertex in the place of each. O(n log n).
+fn weld(positions: &[Vec3]) -> Vec<u32> {
+    // Plus zero, to make -0 and 0 one place.
+    let key = |vertex: u32| (positions[vertex as usize] + Vec3::ZERO).to_array().map(f32::to_bits);
+    let mut order: Vec<u32> = (0..positions.len() as u32).collect();
+    order.sort_unstable_by_key(|&vertex| (key(vertex), vertex));
+    let mut names = vec![0; positions.len()];
+    let mut first = 0;
+    for vertex in order {
+        if key(first) != key(vertex) {
+            first = vertex;
+        }
+        names[vertex as usize] = first.min(vertex);
+    }
+    names
+}
+
+fn sides(triangles: &[[u32; 3]]) -> Vec<Side> {
+    let mut sides: Vec<Side> = (0_u32..)
+        .zip(triangles)
+        .flat_map(|(triangle, &[a, b, c])| {
+            [(a, b), (b, c), (c, a)].map(|(from, to)| Side {
+                ends: [from.min(to), from.max(to)],
+                triangle,
+                ascends: from < to,
+            })
+        })
+        .collect();
+    sides.sort_unstable();
+    sides
+}
+
+/// Sides that as many triangles do not run down as run up, each as often as it is so.
+fn open_sides(triangles: &[[u32; 3]]) -> usize {
+    let sides = sides(triangles);
+    sides
+        .chunk_by(|a, b| a.ends == b.ends)
+        .map(|same| (2 * same.iter().filter(|side| side.ascends).count()).abs_diff(same.len()))
+        .sum()
+}
+
+/// Triangles that hang together by sides of two.
+struct Patches {
+    /// The patch of each triangle.
+    of: Vec<u32>,
+    count: usize,
+}
+
+/// Turns the triangles of each patch to one side: the one that most of their area looks to.
+fn orient(triangles: &mut [[u32; 3]], place: impl Fn(u32) -> Vec3) -> Patches {
+    const NONE: u32 = u32::MAX;
+    // For each triangle those beside it, and whether one of the two would have to turn.
+    let mut beside = vec![[(NONE, false); 3]; triangles.len()];
+    let mut add = |of: u32, other: u32, turns: bool| {
+        if let Some(free) = beside[of as usize].iter_mut().find(|beside| beside.0 == NONE) {
+            *free = (other, turns);
+        }
+    };
+    for same in sides(triangles).chunk_by(|a, b| a.ends == b.ends) {
+        if let [one, two] = same {
+            add(one.triangle, two.triangle, one.ascends == two.ascends);
+            add(two.triangle, one.triangle, one.ascends == two.ascends);
+        }
+    }
+    let mut patches = Patches { of: vec![NONE; triangles.len()], count: 0 };
+    let mut turned = vec![false; triangles.len()];
+    for first in 0..triangles.len() {
+        if patches.of[first] != NONE {
+            continue;
+        }
+        let patch = patches.count as u32;
+        patches.count += 1;
+        patches.of[first] = patch;
+        let mut found = vec![first as u32];
+        let mut next = 0;
+        let (mut all, mut against) = (0.0, 0.0);
+        while let Some(&triangle) = found.get(next) {
+            next += 1;
+            let area = f64::from(area_vector(&triangles[triangle as usize].map(&place)).length());
+            all += area;
+            against += if turned[triangle as usize] { area } else { 0.0 };
+            for &(other, turns) in beside[triangle as usize].iter().filter(|beside| beside.0 != NONE) {
+                if patches.of[other as usize] == NONE {
+                    patches.of[other as usize] = patch;
+                    turned[other as usize] = turned[triangle as usize] != turns;
+                    found.push(other);
+                }
+            }
+        }
+        for triangle in found {
+            if turned[triangle as usize] != (against > 0.5 * all) {
+                triangles[triangle as usize].swap(1, 2);
+            }
+        }
+    }
+    patches
+}
+
+/// Of a tetrahedron on a triangle, with its tip at `tip`.
+fn signed_volume(triangle: [Vec3; 3], tip: Vec3) -> f64 {
+    let [a, b, c]: [DVec3; 3] = triangle.map(|corner| (corner - tip).as_dvec3());
+    a.dot(b.cross(c)) / 6.0
+}
+
+/// Turns all of it if it is inside out as a whole; then each closed patch that is, if it is no cavity of another.
+fn turn_outward(triangles: &mut [[u32; 3]], patches: &Patches, place: impl Fn(u32) -> Vec3) {
+    let tip = place(triangles[0][0]);
+    let mut volumes = vec![0.0; patches.count];
+    for (&patch, corners) in patches.of.iter().zip(triangles.iter()) {
+        volumes[patch as usize] += signed_volume(corners.map(&place), tip);
+    }
+    if volumes.iter().sum::<f64>() < 0.0 {
+        for corners in triangles.iter_mut() {
+            corners.swap(1, 2);
+        }
+        for volume in &mut volumes {
+            *volume = -*volume;
+        }
+    }
+    if volumes.iter().all(|&volume| volume >= 0.0) {
+        return;
+    }
+    let mut open = vec![false; patches.count];
+    let mut first = vec![None; patches.count];
+    for (&patch, corners) in patches.of.iter().zip(triangles.iter()) {
+        first[patch as usize].get_or_insert(corners[0]);
+    }
+    for same in sides(triangles).chunk_by(|a, b| a.ends == b.ends) {
+        if same.len() == 1 {
+            open[patches.of[same[0].triangle as usize] as usize] = true;
+        }
+    }
+    let outward =
+        patches.of.iter().zip(triangles.iter()).filter(|&(&patch, _)| volumes[patch as usize] > 0.0);
+    let around = Winding::new(outward.map(|(_, corners)| corners.map(&place)).collect());
+    let turns: Vec<bool> = (0..patches.count)
+        .map(|patch| {
+            let inside_out = volumes[patch] < 0.0 && !open[patch];
+            inside_out && first[patch].is_some_and(|corner| around.number(place(corner)) < 0.5)
+        })
+        .collect();
+    for (&patch, corners) in patches.of.iter().zip(triangles) {
+        if turns[patch as usize] {
+            corners.swap(1, 2);
+        }
+    }
+}
