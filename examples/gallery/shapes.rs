@@ -19,7 +19,8 @@ pub(crate) fn draw_all(options: &Options) -> Result<(), Failure> {
         sheets.entry(preset.figure).or_default().push(picture);
     }
     for (figure, pictures) in &sheets {
-        let sheet = Picture::sheet(pictures, 3, 6, [255, 255, 255])?;
+        let columns = if pictures.len() % 3 == 0 { 3 } else { 4 };
+        let sheet = Picture::sheet(pictures, columns, 6, [255, 255, 255])?;
         write(&options.out.join(format!("sheet-variational-{figure:02}.png")), &sheet)?;
     }
     Ok(())

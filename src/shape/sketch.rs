@@ -34,6 +34,7 @@ pub struct Sketch {
     front: Outline,
     side: Option<Outline>,
     profiles: Vec<CrossProfile>,
+    bounds: Bounds,
 }
 
 /// A closed curve around the middle of a crown: cubic Bézier curves in polar coordinates through eight radii.
@@ -97,20 +98,20 @@ impl CrossProfile {
 impl Sketch {
     /// A crown as deep as wide; the silhouette as it stands, in metres.
     pub fn new(front: Outline) -> Self {
-        Self { front, side: None, profiles: vec![CrossProfile::ROUND] }
+        Self { front, side: None, profiles: vec![CrossProfile::ROUND], bounds: Bounds::EMPTY }.bounded()
     }
 
     /// Adds the silhouette seen from the side: its x is the crown's z.
     pub fn with_side(mut self, side: Outline) -> Self {
         self.side = Some(side);
-        self
+        self.bounded()
     }
 
     /// Sets the cross profiles, 1 to 1000, the first at the foot of the front view and the last at its top, the others
     /// evenly between; in between radii change linearly. One round profile by default.
     pub fn with_profiles(mut self, profiles: impl Into<Vec<CrossProfile>>) -> Self {
         self.profiles = profiles.into();
-        self
+        self.bounded()
     }
 
     /// The silhouette from the front.
@@ -144,6 +145,20 @@ impl Sketch {
         square <= reach * reach
     }
 
+    /// With its bounds as they are now.
+    fn bounded(mut self) -> Self {
+        let most = self.most();
+        let (low, high) = (self.front.min(), self.front.max());
+        let across = overhang(&self.front, most);
+        let (near, far) = match &self.side {
+            None => (-0.5 * (high.x - low.x) * most, 0.5 * (high.x - low.x) * most),
+            Some(side) => (side.min().x - overhang(side, most), side.max().x + overhang(side, most)),
+        };
+        self.bounds =
+            Bounds::new(Vec3::new(low.x - across, low.y, near), Vec3::new(high.x + across, high.y, far));
+        self
+    }
+
     fn most(&self) -> f32 {
         self.profiles.iter().map(CrossProfile::most).fold(0.0, f32::max)
     }
@@ -156,7 +171,7 @@ fn overhang(outline: &Outline, most: f32) -> f32 {
 
 impl Shape for Sketch {
     fn contains(&self, point: Vec3) -> bool {
-        if !self.bounds().contains(point) {
+        if !self.bounds.contains(point) {
             return false;
         }
         let share = |at: f32, (from, to): (f32, f32)| (2.0 * at - from - to) / (to - from);
@@ -172,14 +187,7 @@ impl Shape for Sketch {
     }
 
     fn bounds(&self) -> Bounds {
-        let most = self.most();
-        let (low, high) = (self.front.min(), self.front.max());
-        let across = overhang(&self.front, most);
-        let (near, far) = match &self.side {
-            None => (-0.5 * (high.x - low.x) * most, 0.5 * (high.x - low.x) * most),
-            Some(side) => (side.min().x - overhang(side, most), side.max().x + overhang(side, most)),
-        };
-        Bounds::new(Vec3::new(low.x - across, low.y, near), Vec3::new(high.x + across, high.y, far))
+        self.bounds
     }
 
     fn check(&self) -> Result<(), ParameterError> {

@@ -49,7 +49,8 @@ pub(super) fn prepare(positions: &[Vec3], triangles: &[[u32; 3]]) -> Result<Prep
     turn_outward(&mut kept, &patches, place);
     flaws.turned = kept.iter().zip(&before).filter(|(now, then)| now != then).count();
     flaws.open_sides = open_sides(&kept);
-    let volume = kept.iter().map(|corners| signed_volume(corners.map(place), Vec3::ZERO)).sum();
+    let tip = place(kept[0][0]);
+    let volume = kept.iter().map(|corners| signed_volume(corners.map(place), tip)).sum();
     Ok(Prepared { triangles: kept.into_iter().map(|corners| corners.map(place)).collect(), flaws, volume })
 }
 
