@@ -4,6 +4,7 @@ mod brick;
 mod case;
 mod field;
 mod march;
+pub(crate) mod solid;
 
 use super::{Mesh, SurfaceError};
 use crate::{ParameterError, Skeleton};
