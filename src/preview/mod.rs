@@ -23,7 +23,7 @@ pub use ray::RayCaster;
 use crate::observer::{Cancelled, Observer, Silent};
 use crate::ParameterError;
 use crate::shape::Bounds;
-use crate::surface::{Material, Mesh, MeshError, Part};
+use crate::surface::{Material, Mesh, MeshError, Part, SurfaceError};
 use camera::View;
 use frame::Frame;
 use glam::Vec3;
@@ -60,6 +60,9 @@ pub enum PreviewError {
         /// The vertices of all copies of all parts.
         vertices: u64,
     },
+    /// There is no surface of the skeleton.
+    #[error(transparent)]
+    Surface(#[from] SurfaceError),
     /// The observer broke off.
     #[error("drawing was cancelled")]
     Cancelled,

@@ -9,9 +9,9 @@ pub(super) use cast::{Cast, Hit, Sunbeams, Sunlight};
 pub(super) use walk::Ray;
 
 use super::{Picture, Preview, PreviewError};
-use crate::surface::Part;
+use crate::surface::{Implicit, Part};
 use crate::surface::solid::Solid;
-use crate::{Observer, ParameterError};
+use crate::{Observer, ParameterError, Skeleton};
 use glam::Vec3;
 use octree::Octree;
 
@@ -48,6 +48,21 @@ impl RayCaster {
         self
     }
 
+    /// A picture of a tree in one smooth skin, as [`Implicit`] has it without its voxels, and of meshes beside it.
+    ///
+    /// # Errors
+    /// As of [`Implicit::mesh`] and [`Preview::draw_parts`]; more cubes than were allowed; the observer's `Break`.
+    pub fn draw_implicit(
+        &self,
+        surface: &Implicit,
+        skeleton: &Skeleton,
+        parts: &[Part<'_>],
+        observer: &dyn Observer,
+    ) -> Result<Picture, PreviewError> {
+        let (field, _) = surface.field(skeleton)?;
+        self.cast(&&field, parts, observer)
+    }
+
     /// A picture of any solid, and of meshes beside it.
     pub(crate) fn cast(
         &self,
@@ -68,7 +83,9 @@ impl RayCaster {
         let directions = [&axes[..], &self.preview.directions()].concat();
         let stage = self.preview.stage(parts, &outline::outline(solid, &directions))?;
         let octree = Octree::new(solid, &stage.view, self.preview.supersampling, self.most_cubes);
+        let t = std::time::Instant::now();
         let picture = self.preview.paint(&stage, Some(&octree), self.shadows, observer)?;
+        println!("paint {:?} cubes {} rays {} inner {} leaves {} values {} near {}", t.elapsed(), octree.len(), octree::COUNT[0].swap(0, std::sync::atomic::Ordering::Relaxed), octree::COUNT[1].swap(0, std::sync::atomic::Ordering::Relaxed), octree::COUNT[2].swap(0, std::sync::atomic::Ordering::Relaxed), octree::COUNT[3].swap(0, std::sync::atomic::Ordering::Relaxed), octree::COUNT[4].swap(0, std::sync::atomic::Ordering::Relaxed));
         if octree.is_full() {
             return Err(PreviewError::TooManyCubes { most: self.most_cubes });
         }

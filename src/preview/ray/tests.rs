@@ -8,7 +8,7 @@ use glam::Vec3;
 #[test]
 fn look() {
     let t = std::time::Instant::now();
-    let tree = crate::presets::by_name("figure-18").unwrap().synth(150_000).synthesize(1).unwrap().relaxed(0.5, 3).unwrap();
+    let tree = crate::presets::by_name("figure-18").unwrap().synth(std::env::var("NODES").map_or(150_000, |n| n.parse().unwrap())).synthesize(1).unwrap().relaxed(0.5, 3).unwrap();
     let shapes = (1..tree.len()).map(|i| {
         let p = tree.parent(i).unwrap();
         (Shape::Capsule(tree.positions()[p], tree.positions()[i], tree.radii()[i]), [0.16, 0.118, 0.088])
@@ -20,6 +20,10 @@ fn look() {
     let picture = RayCaster::new(preview.clone()).cast(&solid, &[], &Silent).unwrap();
     println!("{:?}", t.elapsed());
     picture.write_png(std::fs::File::create("out/ray.png").unwrap()).unwrap();
+    let t = std::time::Instant::now();
+    let picture = RayCaster::new(preview.clone()).draw_implicit(&crate::surface::Implicit::default(), &tree, &[], &Silent).unwrap();
+    println!("{:?}", t.elapsed());
+    picture.write_png(std::fs::File::create("out/field.png").unwrap()).unwrap();
     let t = std::time::Instant::now();
     let mesh = crate::surface::Tubes::default().mesh(&tree).unwrap();
     preview.draw(&mesh).unwrap().write_png(std::fs::File::create("out/mesh.png").unwrap()).unwrap();

@@ -45,9 +45,8 @@ struct Walk<'a, 'o, S: Solid, V> {
     inverse: Vec3,
     /// The bits of the axes along which the ray goes backwards.
     mirror: usize,
-    /// Whether the ray is within the solid, once that is known.
+    /// Whether the ray is within the solid.
     inside: bool,
-    started: bool,
     last: Option<(&'o Leaf<S::Part>, Cube)>,
     visit: V,
 }
@@ -63,16 +62,8 @@ impl<'a, S: Solid> Octree<'a, S> {
         let way = ray.way.to_array().map(|x| if x.abs() < 1e-18 { 1e-18f32.copysign(x) } else { x });
         let mirror = (0..3).filter(|&axis| way[axis] < 0.0).fold(0, |bits, axis| bits | 1 << axis);
         let inverse = Vec3::from_array(way.map(|x| 1.0 / x));
-        let mut walk = Walk {
-            octree: self,
-            ray,
-            inverse,
-            mirror,
-            inside: false,
-            started: false,
-            last: None,
-            visit,
-        };
+        let mut walk = Walk { octree: self, ray, inverse, mirror, inside: false, last: None, visit };
+        super::octree::count(0);
         let bounds = self.cube.bounds();
         let (low, high) = ((bounds.min - ray.origin) * inverse, (bounds.max - ray.origin) * inverse);
         let _ = walk.node(&self.root, self.cube, low.min(high), low.max(high));
@@ -94,6 +85,7 @@ impl<'a, S: Solid> Octree<'a, S> {
         if matches!(node, Node::Outside) {
             return false;
         }
+        super::octree::count(4);
         // The ball around the cube, as far from the ray as its middle.
         let ball = 0.867 * cube.side;
         let offset = cube.middle() - ray.origin;
@@ -125,12 +117,13 @@ impl<'a, 'o, S: Solid, V: FnMut(Crossing<'o, S::Part>) -> ControlFlow<()>> Walk<
             Node::Inside => self.uniform(enter, true),
             Node::Leaf(leaf) => self.leaf(leaf, cube, enter, leave),
             Node::Inner(inner) => {
+                super::octree::count(1);
                 let middle = (cube.middle() - self.ray.origin) * self.inverse;
                 let children = self.octree.children(inner, cube);
                 for i in 0..8 {
                     // Bits of `i` count along the ray: a cube comes after those whose bits it has.
                     let index = i ^ self.mirror;
-                    if matches!(children[index], Node::Outside) && self.started && !self.inside {
+                    if matches!(children[index], Node::Outside) && !self.inside {
                         continue;
                     }
                     let far = glam::BVec3::new(i & 1 != 0, i & 2 != 0, i & 4 != 0);
@@ -145,7 +138,6 @@ impl<'a, 'o, S: Solid, V: FnMut(Crossing<'o, S::Part>) -> ControlFlow<()>> Walk<
 
     /// In a cube that is all inside or all outside, which the last one may have ended just short of.
     fn uniform(&mut self, enter: f32, inside: bool) -> ControlFlow<()> {
-        self.started = true;
         if inside == self.inside { ControlFlow::Continue(()) } else { self.cross(enter) }
     }
 
@@ -157,13 +149,14 @@ impl<'a, 'o, S: Solid, V: FnMut(Crossing<'o, S::Part>) -> ControlFlow<()>> Walk<
     fn leaf(&mut self, leaf: &'o Leaf<S::Part>, cube: Cube, enter: f32, leave: f32) -> ControlFlow<()> {
         let bounds = cube.bounds();
         let value = |t: f32| {
+            super::octree::count(3);
             let point = self.ray.origin + self.ray.way * t;
             leaf.part.value(point.clamp(bounds.min, bounds.max))
         };
         // Steps that 32-bit floats can tell apart.
         let least = leaf.tolerance.max(enter.abs().max(leave.abs()) * 4e-7);
         let inverse = 1.0 / leaf.lipschitz;
-        self.started = true;
+        super::octree::count(2);
         let (mut t, mut here) = (enter, value(enter));
         let mut before = None;
         loop {

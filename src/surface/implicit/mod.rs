@@ -10,6 +10,7 @@ use super::{Mesh, SurfaceError};
 use crate::{ParameterError, Skeleton};
 use brick::Bricks;
 use field::Field;
+use solid::Solid;
 
 /// One closed, watertight mesh of the whole tree: branches flow into each other in round fillets.
 ///
@@ -101,11 +102,12 @@ impl Implicit {
     /// An option out of its range; radii that are all zero; more blocks than were allowed, or more vertices
     /// than 32-bit indices can name; a node more than a million kilometres out or thick.
     pub fn mesh(&self, skeleton: &Skeleton) -> Result<Mesh, SurfaceError> {
-        let (field, bricks) = self.blocks(skeleton)?;
-        march::march(&field, &bricks)
+        let (field, voxel) = self.field(skeleton)?;
+        polygonize(&&field, voxel, self.most_blocks)
     }
 
-    fn blocks(&self, skeleton: &Skeleton) -> Result<(Field, Bricks), SurfaceError> {
+    /// The field, and the side of the finest voxels.
+    pub(crate) fn field(&self, skeleton: &Skeleton) -> Result<(Field, f32), SurfaceError> {
         self.check()?;
         let thick = skeleton.radii().iter().copied().filter(|&radius| radius > 0.0);
         let thinnest = thick.fold(f32::INFINITY, f32::min);
@@ -116,12 +118,7 @@ impl Implicit {
         let voxel = self.voxel.unwrap_or((thinnest / self.detail).max(finest));
         let range = format!("at least {finest} m, 1/32768 of the tree's reach, and finite");
         ParameterError::unless(voxel >= finest && voxel.is_finite(), "Implicit.voxel", voxel, &range)?;
-        let field = Field::new(skeleton, voxel * self.detail, self.blend);
-        let fits = |level: u32, radius: f32| voxel * (1u32 << level) as f32 * self.detail <= radius;
-        let level = |radius: f32| (1..28).take_while(|&level| fits(level, radius)).count() as u8;
-        let levels: Vec<u8> = field.segments.iter().map(|segment| level(segment.thinnest())).collect();
-        let bricks = Bricks::new(&field, &levels, voxel, self.most_blocks)?;
-        Ok((field, bricks))
+        Ok((Field::new(skeleton, voxel * self.detail, self.blend, self.detail)?, voxel))
     }
 
     fn check(&self) -> Result<(), ParameterError> {
@@ -139,6 +136,11 @@ impl Implicit {
         let holds = (1..=100_000_000).contains(&self.most_blocks);
         ParameterError::unless(holds, "Implicit.most_blocks", self.most_blocks, "1 to 100 million")
     }
+}
+
+/// The closed surface of a solid, on voxels of `voxel` metres times powers of two, in at most so many blocks.
+pub(crate) fn polygonize(solid: &impl Solid, voxel: f32, most_blocks: usize) -> Result<Mesh, SurfaceError> {
+    march::march(&Bricks::new(solid, voxel, most_blocks)?)
 }
 
 #[cfg(test)]
