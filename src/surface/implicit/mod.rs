@@ -4,6 +4,8 @@ mod brick;
 mod case;
 mod field;
 mod march;
+#[allow(dead_code, reason = "for polygonizers and ray casters")]
+pub(crate) mod solid;
 
 use super::{Mesh, SurfaceError};
 use crate::{ParameterError, Skeleton};
