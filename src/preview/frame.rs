@@ -27,6 +27,9 @@ const SMALL: f32 = 4.0;
 /// Part of a pixel over which something thin passes on into the next one.
 const SOFTNESS: f32 = 0.75;
 
+/// The weights of a triangle's corners in its middle.
+const MIDDLE: [f32; 3] = [1.0 / 3.0; 3];
+
 /// A triangle turned towards the camera.
 #[derive(Debug, Clone, Copy)]
 struct Facet {
@@ -238,11 +241,11 @@ impl<'a> Frame<'a> {
             if let Some((copy, middle)) = part.copy_of(facet.corners[0]).filter(|_| facet.small) {
                 let seen = &mut copies[facet.part as usize][copy];
                 let seen = *seen.get_or_insert_with(|| self.light.seen(middle));
-                let normal = self.normal(facet, [1.0 / 3.0; 3]);
-                part.color() * self.light.falling(seen, normal, part.two_sided())
+                let normal = self.normal(facet, MIDDLE);
+                part.color(facet.corners, MIDDLE) * self.light.falling(seen, normal, part.two_sided())
             } else {
                 let corners = facet.corners.map(|corner| part.positions[corner as usize]);
-                self.shade(facet, [1.0 / 3.0; 3], corners.iter().sum::<Vec3>() / 3.0)
+                self.shade(facet, MIDDLE, corners.iter().sum::<Vec3>() / 3.0)
             }
         })
     }
@@ -258,7 +261,8 @@ impl<'a> Frame<'a> {
     /// The colour of a facet at a point with these weights of its corners.
     fn shade(&self, facet: Facet, weights: [f32; 3], point: Vec3) -> Vec3 {
         let part = &self.parts[facet.part as usize];
-        part.color() * self.light.on(point, self.normal(facet, weights), part.two_sided())
+        let light = self.light.on(point, self.normal(facet, weights), part.two_sided());
+        part.color(facet.corners, weights) * light
     }
 
     fn shade_sample(&self, facet: Facet, x: f32, y: f32, nearness: f32) -> Vec3 {

@@ -37,6 +37,15 @@ pub(crate) trait Part: Send + Sync {
     /// The value and its gradient, a metre, at a point of the cube. Of length 0 only where there is none.
     fn gradient(&self, point: Vec3) -> (f32, Vec3);
 
+    /// The values at 4 · 4 · 4 points of the cube: entry `x + 4y + 16z` is that of the point so many steps of `step`
+    /// metres along x, y and z from `start`.
+    fn sample(&self, start: Vec3, step: f32) -> [f32; 64] {
+        std::array::from_fn(|i| {
+            let offset = Vec3::new((i & 3) as f32, (i >> 2 & 3) as f32, (i >> 4) as f32);
+            self.value(start + offset * step)
+        })
+    }
+
     /// The linear RGB colour at a point on the surface.
     fn colour(&self, point: Vec3) -> [f32; 3];
 
