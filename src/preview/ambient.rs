@@ -103,6 +103,12 @@ impl Ambient {
         }
     }
 
+    /// All surface that has been added, square metres.
+    #[cfg(test)]
+    pub(super) fn surface(&self) -> f32 {
+        self.cells.iter().sum()
+    }
+
     /// To be called once, when everything is in: lets the light down.
     pub(super) fn finish(&mut self) {
         let layer = self.size[0] * self.size[2];

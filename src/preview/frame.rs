@@ -44,6 +44,9 @@ const SMALL: f32 = 4.0;
 /// Part of a pixel over which something thin passes on into the next one.
 const SOFTNESS: f32 = 0.75;
 
+/// The weights of a triangle's corners in its middle.
+const MIDDLE: [f32; 3] = [1.0 / 3.0; 3];
+
 /// A triangle turned towards the camera.
 #[derive(Debug, Clone, Copy)]
 struct Facet {
@@ -279,12 +282,12 @@ impl<'a> Frame<'a> {
             if let Some((copy, middle)) = part.copy_of(facet.corners[0]).filter(|_| facet.small) {
                 let seen = &mut copies[facet.part as usize][copy];
                 let seen = *seen.get_or_insert_with(|| self.light.seen(middle));
-                let normal = self.normal(facet, [1.0 / 3.0; 3]);
-                part.color() * self.light.falling(seen, normal, part.two_sided())
+                let normal = self.normal(facet, MIDDLE);
+                part.color(facet.corners, MIDDLE) * self.light.falling(seen, normal, part.two_sided())
             } else {
                 let corners = facet.corners.map(|corner| part.positions[corner as usize]);
                 let middle = corners.iter().sum::<Vec3>() / 3.0;
-                self.shade(facet, [1.0 / 3.0; 3], middle, Sunbeams::all(FACET_BEAMS, 0, 0))
+                self.shade(facet, MIDDLE, middle, Sunbeams::all(FACET_BEAMS, 0, 0))
             }
         })
     }
@@ -300,7 +303,8 @@ impl<'a> Frame<'a> {
     /// The colour of a facet at a point with these weights of its corners.
     fn shade(&self, facet: Facet, weights: [f32; 3], point: Vec3, beams: Sunbeams) -> Vec3 {
         let part = &self.parts[facet.part as usize];
-        part.color() * self.light.on(point, self.normal(facet, weights), part.two_sided(), beams)
+        let light = self.light.on(point, self.normal(facet, weights), part.two_sided(), beams);
+        part.color(facet.corners, weights) * light
     }
 
     fn shade_sample(&self, facet: Facet, x: f32, y: f32, nearness: f32) -> Vec3 {
@@ -314,13 +318,7 @@ impl<'a> Frame<'a> {
     }
 
     /// A pixel, its sunlight from solids apart.
-    fn pixel(
-        &self,
-        strip: &Strip,
-        shades: &mut Shades,
-        (column, row): (usize, usize),
-        top: usize,
-    ) -> Texel {
+    fn pixel(&self, strip: &Strip, shades: &mut Shades, (column, row): (usize, usize), top: usize) -> Texel {
         let n = self.samples;
         let (mut color, mut holes) = (Vec3::ZERO, 0u32);
         let mut sun = Sun::default();
@@ -379,9 +377,9 @@ impl<'a> Frame<'a> {
         }
         // A shadow is black that lets the rest of the light through; the eye judges that in sRGB, where pictures are
         // laid over each other.
-        let shadow = self.ground(column, row).map_or(0.0, |(lit, fade, _)| {
-            fade * (1.0 - math::srgb(lit.sky.y + lit.sun.y * lit.light.seen))
-        });
+        let shadow = self
+            .ground(column, row)
+            .map_or(0.0, |(lit, fade, _)| fade * (1.0 - math::srgb(lit.sky.y + lit.sun.y * lit.light.seen)));
         (Glimpse::default(), shadow)
     }
 
@@ -408,8 +406,7 @@ impl<'a> Frame<'a> {
         let outward = point.distance(middle) / radius;
         let fade = ((1.0 - outward) * 2.0).min(1.0);
         let beams = Sunbeams::all(GROUND_BEAMS, column, row);
-        (outward < 1.0)
-            .then(|| (self.light.on_ground(point, beams), fade * fade * (3.0 - 2.0 * fade), point))
+        (outward < 1.0).then(|| (self.light.on_ground(point, beams), fade * fade * (3.0 - 2.0 * fade), point))
     }
 }
 

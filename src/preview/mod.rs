@@ -20,8 +20,8 @@ pub use camera::{Camera, Projection};
 pub use picture::Picture;
 pub use ray::RayCaster;
 
-use crate::observer::{Cancelled, Observer, Silent};
 use crate::ParameterError;
+use crate::observer::{Cancelled, Observer, Silent};
 use crate::shape::Bounds;
 use crate::surface::{Material, Mesh, MeshError, Part, SurfaceError};
 use camera::View;

@@ -2,7 +2,7 @@
 
 use super::{Frame, NOTHING, SOLID, Strip};
 use crate::preview::light::Lit;
-use crate::preview::ray::{Cast, Hit, Sunbeams, Sunlight};
+use crate::preview::ray::{Beam, Hit, Ray, Sunbeams, Sunlight};
 use glam::Vec3;
 
 /// Side of the blocks of pixels that are looked at as a whole first.
@@ -24,31 +24,33 @@ impl Frame<'_> {
         strip.seen.resize(strip.facets.len(), Glimpse::default());
         for top in (0..height).step_by(BLOCK) {
             for left in (0..width).step_by(BLOCK) {
-                if !self.comes_near(solid, strip, (left, top), BLOCK) {
-                    continue;
-                }
-                for row in top..(top + BLOCK).min(height) {
-                    for column in left..(left + BLOCK).min(width) {
-                        if self.comes_near(solid, strip, (column, row), 1) {
-                            self.cast_pixel(solid, strip, (column, row));
-                        }
-                    }
-                }
+                let block = self.beam(strip, (left, top), BLOCK);
+                let rows = top..(top + BLOCK).min(height);
+                let columns = left..(left + BLOCK).min(width);
+                let pixels: Vec<_> =
+                    rows.flat_map(|row| columns.clone().map(move |column| (column, row))).collect();
+                let beams: Vec<_> = pixels.iter().map(|&pixel| self.beam(strip, pixel, 1)).collect();
+                solid.look(&block, &beams, &mut |number, hit| self.cast_pixel(hit, strip, pixels[number]));
             }
         }
     }
 
-    /// Whether the solid may be seen in a square of pixels.
-    fn comes_near(&self, solid: &dyn Cast, strip: &Strip, (left, top): (usize, usize), side: usize) -> bool {
+    /// What is seen through a square of pixels.
+    fn beam(&self, strip: &Strip, (left, top): (usize, usize), side: usize) -> Beam {
         let middle = |first: usize| (first * self.samples) as f32 + 0.5 * (side * self.samples) as f32;
         let ray = self.view.ray(middle(left), strip.top as f32 + middle(top));
         let [radius, spread] = self.view.sample_size();
         let half = HALF_DIAGONAL * (side * self.samples) as f32;
-        solid.comes_near(&ray, half * radius, half * spread)
+        Beam { ray, radius: half * radius, spread: half * spread }
     }
 
     /// First every other sample; where these show one smooth surface, the rest is as they are.
-    fn cast_pixel(&self, solid: &dyn Cast, strip: &mut Strip, (column, row): (usize, usize)) {
+    fn cast_pixel(
+        &self,
+        hit: &dyn Fn(&Ray) -> Option<Hit>,
+        strip: &mut Strip,
+        (column, row): (usize, usize),
+    ) {
         let n = self.samples;
         let beams = Sunbeams::all(n * n, column, strip.top / n + row);
         let sample = |strip: &mut Strip, index: usize| {
@@ -59,7 +61,7 @@ impl Frame<'_> {
             if strip.facets[at] != NOTHING {
                 ray.to = (self.view.position(place_x, place_y, strip.solid[at]) - ray.origin).dot(ray.way);
             }
-            let hit = solid.hit(&ray)?;
+            let hit = hit(&ray)?;
             let Lit { sky, sun, light } = self.light.lit(hit.point, hit.normal, false, beams.one(index));
             let Hit { point, normal, color } = hit;
             let glimpse = Glimpse { sky: color * sky, sun: color * sun, light, point, normal };

@@ -60,7 +60,8 @@ impl Rows {
     /// coverage, and coverage.
     pub(super) fn finished(&mut self, last: bool) -> (usize, Vec<Vec<(Vec3, f32)>>) {
         let known = self.first + self.texels.len() / self.width;
-        let (start, end) = (self.next, if last { known } else { known.saturating_sub(WIDEST).max(self.next) });
+        let (start, end) =
+            (self.next, if last { known } else { known.saturating_sub(WIDEST).max(self.next) });
         let rows = parallel::map(end - start, |i| {
             (0..self.width).map(|column| self.finish(column, start + i, known)).collect::<Vec<_>>()
         });

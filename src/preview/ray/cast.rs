@@ -1,7 +1,7 @@
 //! What the rest of the renderer asks of a solid.
 
 use super::octree::Octree;
-use super::walk::Ray;
+use super::walk::{Beam, Entry, Ray};
 use crate::math;
 use crate::surface::solid::{Part, Solid};
 use glam::{Vec2, Vec3};
@@ -66,11 +66,9 @@ pub(in super::super) struct Sunlight {
 
 /// A solid that rays are cast at.
 pub(in super::super) trait Cast: Sync {
-    /// What a line of sight meets first.
-    fn hit(&self, ray: &Ray) -> Option<Hit>;
-
-    /// Whether it may meet something within `radius + spread · t` metres.
-    fn comes_near(&self, ray: &Ray, radius: f32, spread: f32) -> bool;
+    /// Has those of the beams in `block` drawn, by their numbers, that may meet something, with a function that says what
+    /// a ray of that beam meets first.
+    fn look(&self, block: &Beam, beams: &[Beam], draw: &mut dyn FnMut(usize, &dyn Fn(&Ray) -> Option<Hit>));
 
     /// How much of the sun in the direction `sun` is seen from a point of a surface.
     fn sunlight(&self, point: Vec3, normal: Vec3, sun: Vec3, beams: Sunbeams) -> Sunlight;
@@ -83,20 +81,24 @@ pub(in super::super) trait Cast: Sync {
 }
 
 impl<S: Solid> Cast for Octree<'_, S> {
-    fn hit(&self, ray: &Ray) -> Option<Hit> {
-        let mut hit = None;
-        self.crossings(ray, |crossing| {
-            let (point, normal) = crossing.place(ray);
-            // Within a solid it is dark.
-            let color = crossing.leaf.map_or([0.0; 3], |(leaf, _)| leaf.part.colour(point));
-            hit = Some(Hit { point, normal, color: color.into() });
-            ControlFlow::Break(())
-        });
-        hit
-    }
-
-    fn comes_near(&self, ray: &Ray, radius: f32, spread: f32) -> bool {
-        Octree::comes_near(self, ray, radius, spread)
+    fn look(&self, block: &Beam, beams: &[Beam], draw: &mut dyn FnMut(usize, &dyn Fn(&Ray) -> Option<Hit>)) {
+        let mirror = block.ray.mirror();
+        let (all, mut wide, mut near) = (self.whole(), Vec::new(), Vec::new());
+        self.gather(all[0], block, mirror, 0.5, &mut wide);
+        if wide.is_empty() {
+            return;
+        }
+        for (number, beam) in beams.iter().enumerate() {
+            near.clear();
+            let own = beam.ray.mirror();
+            // Where a beam does not go as its block does, the order is another.
+            for &entry in if own == mirror { &wide[..] } else { &all[..] } {
+                self.gather(entry, beam, own, 0.0, &mut near);
+            }
+            if !near.is_empty() {
+                draw(number, &|ray| self.hit(if ray.mirror() == own { &near } else { &all }, ray));
+            }
+        }
     }
 
     fn sunlight(&self, point: Vec3, normal: Vec3, sun: Vec3, beams: Sunbeams) -> Sunlight {
@@ -106,7 +108,7 @@ impl<S: Solid> Cast for Octree<'_, S> {
         let (mut blocked, mut distance) = (0, 0.0);
         for place in beams.places() {
             let way = (sun + (right * place.x + up * place.y) * SUN_SLOPE).normalize();
-            self.crossings(&Ray { origin, way, from: 0.0, to: f32::MAX }, |crossing| {
+            self.crossings(&self.whole(), &Ray { origin, way, from: 0.0, to: f32::MAX }, |crossing| {
                 blocked += 1;
                 distance += crossing.t;
                 ControlFlow::Break(())
@@ -119,7 +121,7 @@ impl<S: Solid> Cast for Octree<'_, S> {
 
     fn entries(&self, ray: &Ray) -> Vec<(Vec3, Vec3)> {
         let mut entries = Vec::new();
-        self.crossings(ray, |crossing| {
+        self.crossings(&self.whole(), ray, |crossing| {
             if crossing.entering {
                 entries.push(crossing.place(ray));
             }
@@ -130,5 +132,20 @@ impl<S: Solid> Cast for Octree<'_, S> {
 
     fn is_full(&self) -> bool {
         Octree::is_full(self)
+    }
+}
+
+impl<S: Solid> Octree<'_, S> {
+    /// What a ray through these cubes meets first.
+    pub(super) fn hit<'o>(&'o self, among: &[Entry<'o, S::Part>], ray: &'o Ray) -> Option<Hit> {
+        let mut hit = None;
+        self.crossings(among, ray, |crossing| {
+            let (point, normal) = crossing.place(ray);
+            // Within a solid it is dark.
+            let color = crossing.leaf.map_or([0.0; 3], |(leaf, _)| leaf.part.colour(point));
+            hit = Some(Hit { point, normal, color: color.into() });
+            ControlFlow::Break(())
+        });
+        hit
     }
 }

@@ -6,11 +6,12 @@ mod outline;
 mod walk;
 
 pub(super) use cast::{Cast, Hit, Sunbeams, Sunlight};
-pub(super) use walk::Ray;
+pub(super) use walk::{Beam, Ray};
 
 use super::{Picture, Preview, PreviewError};
-use crate::surface::{Implicit, Part};
+use crate::surface::blob::BlobTree;
 use crate::surface::solid::Solid;
+use crate::surface::{Implicit, Part};
 use crate::{Observer, ParameterError, Skeleton};
 use glam::Vec3;
 use octree::Octree;
@@ -48,6 +49,19 @@ impl RayCaster {
         self
     }
 
+    /// A picture of a `BlobTree`, and of meshes beside it.
+    ///
+    /// # Errors
+    /// As of [`Preview::draw_parts`]; more cubes than were allowed; the observer's `Break`.
+    pub fn draw(
+        &self,
+        tree: &BlobTree,
+        parts: &[Part<'_>],
+        observer: &dyn Observer,
+    ) -> Result<Picture, PreviewError> {
+        self.cast(tree, parts, observer)
+    }
+
     /// A picture of a tree in one smooth skin, as [`Implicit`] has it without its voxels, and of meshes beside it.
     ///
     /// # Errors
@@ -83,9 +97,7 @@ impl RayCaster {
         let directions = [&axes[..], &self.preview.directions()].concat();
         let stage = self.preview.stage(parts, &outline::outline(solid, &directions))?;
         let octree = Octree::new(solid, &stage.view, self.preview.supersampling, self.most_cubes);
-        let t = std::time::Instant::now();
         let picture = self.preview.paint(&stage, Some(&octree), self.shadows, observer)?;
-        println!("paint {:?} cubes {} rays {} inner {} leaves {} values {} near {}", t.elapsed(), octree.len(), octree::COUNT[0].swap(0, std::sync::atomic::Ordering::Relaxed), octree::COUNT[1].swap(0, std::sync::atomic::Ordering::Relaxed), octree::COUNT[2].swap(0, std::sync::atomic::Ordering::Relaxed), octree::COUNT[3].swap(0, std::sync::atomic::Ordering::Relaxed), octree::COUNT[4].swap(0, std::sync::atomic::Ordering::Relaxed));
         if octree.is_full() {
             return Err(PreviewError::TooManyCubes { most: self.most_cubes });
         }

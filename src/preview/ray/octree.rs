@@ -11,21 +11,13 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Mutex, OnceLock, PoisonError};
 
 /// A cube no longer than this many times its part's detail is not split: what is left in it is a piece of one limb.
-const DETAILS: f32 = 4.0;
+const DETAILS: f32 = 1.0;
 /// Neither is a cube no longer than this many pixels.
 const PIXELS: f32 = 1.0;
 /// Nor one that has been halved this often.
 const DEEPEST: u8 = 22;
 /// Roots are found to within this part of a pixel or of the detail, whichever is smaller.
 const TOLERANCE: f32 = 0.02;
-
-pub(super) fn tune(name: &str, v: f32) -> f32 {
-    use std::sync::LazyLock;
-    static D: LazyLock<Vec<(String, f32)>> = LazyLock::new(|| ["DET", "PIX", "TOL"].iter().filter_map(|n| Some((n.to_string(), std::env::var(n).ok()?.parse().ok()?))).collect());
-    D.iter().find(|(n, _)| n == name).map_or(v, |(_, v)| *v)
-}
-pub(super) static COUNT: [AtomicUsize; 6] = [const { AtomicUsize::new(0) }; 6];
-pub(super) fn count(i: usize) { if cfg!(debug_assertions) { COUNT[i].fetch_add(1, Ordering::Relaxed); } }
 
 /// A corner and a side, metres. Both are such that halves are exact.
 #[derive(Debug, Clone, Copy)]
@@ -107,7 +99,6 @@ impl<'a, S: Solid> Octree<'a, S> {
         octree
     }
 
-    pub(super) fn len(&self) -> usize { self.cubes.load(Ordering::Relaxed) }
     /// Whether more cubes were needed than were allowed: what has been found is of no use then.
     pub(super) fn is_full(&self) -> bool {
         self.cubes.load(Ordering::Relaxed) > self.most
@@ -128,11 +119,11 @@ impl<'a, S: Solid> Octree<'a, S> {
             return Node::Outside;
         }
         let (detail, pixel) = (part.detail(), self.pixel(cube.middle()));
-        if cube.side > (tune("DET", DETAILS) * detail).max(tune("PIX", PIXELS) * pixel) && cube.level < DEEPEST {
+        if cube.side > (DETAILS * detail).max(PIXELS * pixel) && cube.level < DEEPEST {
             return Node::Inner(Box::new(Inner { part: Mutex::new(Some(part)), children: OnceLock::new() }));
         }
         let lipschitz = part.lipschitz();
-        let tolerance = tune("TOL", TOLERANCE) * detail.min(pixel).min(cube.side);
+        let tolerance = TOLERANCE * detail.min(pixel).min(cube.side);
         Node::Leaf(Box::new(Leaf { part, lipschitz, tolerance }))
     }
 

@@ -39,9 +39,10 @@ pub(super) fn outline<S: Solid>(solid: &S, directions: &[Vec3]) -> Vec<Vec3> {
         };
         let mut open: Vec<_> = (0..found.len().min(1)).map(|i| (reach(found[i].cube), i)).collect();
         for turn in 0.. {
-            let best = open.iter().enumerate().max_by(|(_, (a, _)), (_, (b, _))| {
-                a.0.total_cmp(&b.0).then(a.1.total_cmp(&b.1))
-            });
+            let best = open
+                .iter()
+                .enumerate()
+                .max_by(|(_, (a, _)), (_, (b, _))| a.0.total_cmp(&b.0).then(a.1.total_cmp(&b.1)));
             let Some((at, &((_, _, corner), index))) = best else { break };
             if found[index].part.is_none() || found[index].cube.side <= least || turn == MOST {
                 points.push(corner);

@@ -2,7 +2,7 @@
 
 use super::octree::{Cube, Leaf, Node, Octree};
 use crate::surface::solid::{Part, Solid};
-use glam::Vec3;
+use glam::{BVec3, Vec3};
 use std::ops::ControlFlow;
 
 /// Steps of regula falsi at a root, at most.
@@ -38,6 +38,28 @@ impl<P: Part> Crossing<'_, P> {
     }
 }
 
+/// All rays within `radius + spread · t` metres of one.
+#[derive(Debug, Clone, Copy)]
+pub(in super::super) struct Beam {
+    pub(in super::super) ray: Ray,
+    pub(in super::super) radius: f32,
+    pub(in super::super) spread: f32,
+}
+
+/// A cube to be walked through.
+pub(super) struct Entry<'o, P> {
+    pub(super) node: &'o Node<P>,
+    pub(super) cube: Cube,
+}
+
+impl<P> Clone for Entry<'_, P> {
+    fn clone(&self) -> Self {
+        *self
+    }
+}
+
+impl<P> Copy for Entry<'_, P> {}
+
 /// A ray on its way.
 struct Walk<'a, 'o, S: Solid, V> {
     octree: &'o Octree<'a, S>,
@@ -51,59 +73,78 @@ struct Walk<'a, 'o, S: Solid, V> {
     visit: V,
 }
 
+impl Ray {
+    /// The bits of the axes along which it goes backwards.
+    pub(super) fn mirror(&self) -> usize {
+        (0..3).filter(|&axis| self.way[axis] < 0.0).fold(0, |bits, axis| bits | 1 << axis)
+    }
+}
+
 impl<'a, S: Solid> Octree<'a, S> {
-    /// Visits every crossing of a ray with the surface, in order, until told to stop.
+    pub(super) fn whole(&self) -> [Entry<'_, S::Part>; 1] {
+        [Entry { node: &self.root, cube: self.cube }]
+    }
+
+    /// Visits every crossing of a ray with the surface in some cubes, in their order, until told to stop.
     pub(super) fn crossings<'o>(
         &'o self,
+        among: &[Entry<'o, S::Part>],
         ray: &'o Ray,
         visit: impl FnMut(Crossing<'o, S::Part>) -> ControlFlow<()>,
     ) {
         // No axis is quite parallel: then no product below is one of zero and infinity.
         let way = ray.way.to_array().map(|x| if x.abs() < 1e-18 { 1e-18f32.copysign(x) } else { x });
-        let mirror = (0..3).filter(|&axis| way[axis] < 0.0).fold(0, |bits, axis| bits | 1 << axis);
         let inverse = Vec3::from_array(way.map(|x| 1.0 / x));
+        let mirror = ray.mirror();
         let mut walk = Walk { octree: self, ray, inverse, mirror, inside: false, last: None, visit };
-        super::octree::count(0);
-        let bounds = self.cube.bounds();
-        let (low, high) = ((bounds.min - ray.origin) * inverse, (bounds.max - ray.origin) * inverse);
-        let _ = walk.node(&self.root, self.cube, low.min(high), low.max(high));
-    }
-
-    /// Whether the surface may come within `radius + spread · t` metres of a ray.
-    pub(super) fn comes_near(&self, ray: &Ray, radius: f32, spread: f32) -> bool {
-        self.node_comes_near(&self.root, self.cube, ray, radius, spread)
-    }
-
-    fn node_comes_near(
-        &self,
-        node: &Node<S::Part>,
-        cube: Cube,
-        ray: &Ray,
-        radius: f32,
-        spread: f32,
-    ) -> bool {
-        if matches!(node, Node::Outside) {
-            return false;
+        for entry in among {
+            let bounds = entry.cube.bounds();
+            let (low, high) = ((bounds.min - ray.origin) * inverse, (bounds.max - ray.origin) * inverse);
+            if walk.node(entry.node, entry.cube, low.min(high), low.max(high)).is_break() {
+                break;
+            }
         }
-        super::octree::count(4);
+    }
+
+    /// Adds the cubes in which a beam may meet the surface, front to back for all rays that go as `mirror` says: leaves,
+    /// and cubes that are smaller than `part` of the beam's width there.
+    pub(super) fn gather<'o>(
+        &'o self,
+        Entry { node, cube }: Entry<'o, S::Part>,
+        beam: &Beam,
+        mirror: usize,
+        part: f32,
+        near: &mut Vec<Entry<'o, S::Part>>,
+    ) {
+        if matches!(node, Node::Outside) {
+            return;
+        }
+        let Beam { ray, radius, spread } = beam;
         // The ball around the cube, as far from the ray as its middle.
         let ball = 0.867 * cube.side;
         let offset = cube.middle() - ray.origin;
         let along = offset.dot(ray.way);
-        let reach = ball + radius + spread * (along + ball).max(0.0);
-        if along + reach < ray.from || along - reach > ray.to {
-            return false;
+        let width = radius + spread * (along + ball).max(0.0);
+        let reach = ball + width;
+        let away = (offset - ray.way * along).length_squared();
+        if along + reach < ray.from || along - reach > ray.to || away > reach * reach {
+            return;
         }
-        if (offset - ray.way * along).length_squared() > reach * reach {
-            return false;
+        let Node::Inner(inner) = node else { return near.push(Entry { node, cube }) };
+        if cube.side < part * width {
+            return near.push(Entry { node, cube });
         }
-        let Node::Inner(inner) = node else { return true };
         let children = self.children(inner, cube);
-        (0..8).any(|i| self.node_comes_near(&children[i], cube.child(i), ray, radius, spread))
+        for i in 0..8 {
+            // Bits of `i` count along the ray: a cube comes after those whose bits it has.
+            let index = i ^ mirror;
+            let child = Entry { node: &children[index], cube: cube.child(index) };
+            self.gather(child, beam, mirror, part, near);
+        }
     }
 }
 
-impl<'a, 'o, S: Solid, V: FnMut(Crossing<'o, S::Part>) -> ControlFlow<()>> Walk<'a, 'o, S, V> {
+impl<'o, S: Solid, V: FnMut(Crossing<'o, S::Part>) -> ControlFlow<()>> Walk<'_, 'o, S, V> {
     /// Goes through a cube that the ray enters at the largest of `low` and leaves at the smallest of `high`.
     fn node(&mut self, node: &'o Node<S::Part>, cube: Cube, low: Vec3, high: Vec3) -> ControlFlow<()> {
         let enter = low.max_element().max(self.ray.from);
@@ -117,21 +158,25 @@ impl<'a, 'o, S: Solid, V: FnMut(Crossing<'o, S::Part>) -> ControlFlow<()>> Walk<
             Node::Inside => self.uniform(enter, true),
             Node::Leaf(leaf) => self.leaf(leaf, cube, enter, leave),
             Node::Inner(inner) => {
-                super::octree::count(1);
                 let middle = (cube.middle() - self.ray.origin) * self.inverse;
                 let children = self.octree.children(inner, cube);
-                for i in 0..8 {
-                    // Bits of `i` count along the ray: a cube comes after those whose bits it has.
-                    let index = i ^ self.mirror;
-                    if matches!(children[index], Node::Outside) && !self.inside {
-                        continue;
+                // Behind which of the middle planes the ray is; first, where it enters.
+                let mut behind = middle.cmple(Vec3::splat(enter)).bitmask() as usize;
+                loop {
+                    let index = behind ^ self.mirror;
+                    let far = BVec3::new(behind & 1 != 0, behind & 2 != 0, behind & 4 != 0);
+                    let end = Vec3::select(far, high, middle);
+                    if self.inside || !matches!(children[index], Node::Outside) {
+                        let start = Vec3::select(far, middle, low);
+                        self.node(&children[index], cube.child(index), start, end)?;
                     }
-                    let far = glam::BVec3::new(i & 1 != 0, i & 2 != 0, i & 4 != 0);
-                    let low = Vec3::select(far, middle, low);
-                    let high = Vec3::select(far, high, middle);
-                    self.node(&children[index], cube.child(index), low, high)?;
+                    // On through the nearest plane, unless it is one of the cube's sides.
+                    let next = 1 << end.min_position();
+                    if behind & next != 0 || end.min_element() > leave {
+                        return ControlFlow::Continue(());
+                    }
+                    behind |= next;
                 }
-                ControlFlow::Continue(())
             }
         }
     }
@@ -149,14 +194,12 @@ impl<'a, 'o, S: Solid, V: FnMut(Crossing<'o, S::Part>) -> ControlFlow<()>> Walk<
     fn leaf(&mut self, leaf: &'o Leaf<S::Part>, cube: Cube, enter: f32, leave: f32) -> ControlFlow<()> {
         let bounds = cube.bounds();
         let value = |t: f32| {
-            super::octree::count(3);
             let point = self.ray.origin + self.ray.way * t;
             leaf.part.value(point.clamp(bounds.min, bounds.max))
         };
         // Steps that 32-bit floats can tell apart.
         let least = leaf.tolerance.max(enter.abs().max(leave.abs()) * 4e-7);
         let inverse = 1.0 / leaf.lipschitz;
-        super::octree::count(2);
         let (mut t, mut here) = (enter, value(enter));
         let mut before = None;
         loop {

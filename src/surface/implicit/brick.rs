@@ -11,8 +11,7 @@ use glam::{IVec3, Vec3};
 const MARGIN: f32 = 0.53;
 
 /// The directions of a voxel's faces.
-pub(super) const STEPS: [IVec3; 6] =
-    [IVec3::X, IVec3::Y, IVec3::Z, IVec3::NEG_X, IVec3::NEG_Y, IVec3::NEG_Z];
+pub(super) const STEPS: [IVec3; 6] = [IVec3::X, IVec3::Y, IVec3::Z, IVec3::NEG_X, IVec3::NEG_Y, IVec3::NEG_Z];
 
 /// Four voxels in each direction, near the surface.
 #[derive(Debug, Clone)]

@@ -78,7 +78,12 @@ impl Field {
     /// The primitives of a skeleton's internodes, all at least `least` metres thick.
     ///
     /// Radii are interpolated along a branch; its first internode has its own radius all along, not its bearer's.
-    pub(super) fn new(skeleton: &Skeleton, least: f32, blend: f32, detail: f32) -> Result<Self, SurfaceError> {
+    pub(super) fn new(
+        skeleton: &Skeleton,
+        least: f32,
+        blend: f32,
+        detail: f32,
+    ) -> Result<Self, SurfaceError> {
         let slack = extent(skeleton, blend)? * 4.0 * f32::EPSILON;
         let radius = |node: u32| skeleton.radii()[node as usize].max(least);
         let position = |node: u32| skeleton.positions()[node as usize];

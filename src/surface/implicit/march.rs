@@ -94,8 +94,8 @@ impl<'a, P: Part> Surroundings<'a, P> {
         })
     }
 
-    /// Where the surface crosses the edge from a voxel to its neighbour, and its normal there.
-    fn vertex(&self, values: &[f32; 64], direction: usize, cell: u32) -> Option<(Vec3, Vec3)> {
+    /// Where the surface crosses the edge from a voxel to its neighbour, its normal there, and what counts there.
+    fn vertex(&self, values: &[f32; 64], direction: usize, cell: u32) -> Option<(Vec3, Vec3, &'a P)> {
         let (number, beyond) = self.holder(voxel(cell) + STEPS[direction])?;
         let other = &self.bricks.leaves[number as usize];
         let from = self.bricks.middle(self.brick, cell);
@@ -106,8 +106,7 @@ impl<'a, P: Part> Surroundings<'a, P> {
         let starts_inside = values[cell as usize] > 0.0;
         let (mut low, mut high) = (MARGIN, 1.0 - MARGIN);
         let start = values[cell as usize];
-        let end =
-            if number == self.number { values[beyond as usize] } else { part.value(from + way) };
+        let end = if number == self.number { values[beyond as usize] } else { part.value(from + way) };
         let mut t = (start / (start - end)).clamp(low, high);
         let mut tries = 0;
         loop {
@@ -116,7 +115,7 @@ impl<'a, P: Part> Surroundings<'a, P> {
             let along = slope.dot(way);
             if value.abs() <= OFF * way.length() * slope.length() || tries == 5 || high - low < OFF {
                 let outward = if starts_inside { way } else { -way };
-                return Some((point, (-slope).normalize_or(outward.normalize_or(Vec3::Y))));
+                return Some((point, (-slope).normalize_or(outward.normalize_or(Vec3::Y)), part));
             }
             if (value > 0.0) == starts_inside {
                 low = t;
@@ -219,7 +218,7 @@ fn bits(mut left: u64) -> impl Iterator<Item = u32> {
 }
 
 /// The surface between the voxels of blocks, with the solid's colours if they are wanted.
-pub(super) fn march<P: Part>(bricks: &Bricks<P>) -> Result<Mesh, SurfaceError> {
+pub(super) fn march<P: Part>(bricks: &Bricks<P>, colored: bool) -> Result<Mesh, SurfaceError> {
     let count = bricks.leaves.len();
     let edges = parallel::map(count, |number| Surroundings::new(bricks, number as u32).crossed());
     let vertices = edges.iter().flatten().map(|edges| edges.count_ones() as usize).sum();
@@ -238,11 +237,12 @@ pub(super) fn march<P: Part>(bricks: &Bricks<P>) -> Result<Mesh, SurfaceError> {
     let mut mesh = Mesh::default();
     mesh.positions.reserve_exact(vertices);
     mesh.normals.reserve_exact(vertices);
+    mesh.colors.reserve_exact(if colored { vertices } else { 0 });
     // Closed surfaces have two triangles a vertex, less four a body and plus four a handle, of which there are few.
     mesh.indices.reserve_exact(6 * vertices + vertices / 32);
     in_groups(
         count,
-        |number, vertices: &mut Vec<(Vec3, Vec3)>| {
+        |number, part: &mut Mesh| {
             let edges = crossed[number as usize].edges;
             if edges == [0; 6] {
                 return;
@@ -250,13 +250,19 @@ pub(super) fn march<P: Part>(bricks: &Bricks<P>) -> Result<Mesh, SurfaceError> {
             let around = Surroundings::new(bricks, number);
             let values = bricks.sample(number as usize);
             for (direction, edges) in edges.into_iter().enumerate() {
-                vertices
-                    .extend(bits(edges).filter_map(|cell| around.vertex(&values, direction, cell)));
+                for cell in bits(edges) {
+                    if let Some((position, normal, solid)) = around.vertex(&values, direction, cell) {
+                        part.positions.push(position);
+                        part.normals.push(normal);
+                        part.colors.extend(colored.then(|| solid.colour(position)));
+                    }
+                }
             }
         },
-        |vertices| {
-            mesh.positions.extend(vertices.iter().map(|vertex| vertex.0));
-            mesh.normals.extend(vertices.iter().map(|vertex| vertex.1));
+        |part| {
+            mesh.positions.extend(part.positions);
+            mesh.normals.extend(part.normals);
+            mesh.colors.extend(part.colors);
         },
     );
     in_groups(

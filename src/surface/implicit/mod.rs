@@ -103,7 +103,7 @@ impl Implicit {
     /// than 32-bit indices can name; a node more than a million kilometres out or thick.
     pub fn mesh(&self, skeleton: &Skeleton) -> Result<Mesh, SurfaceError> {
         let (field, voxel) = self.field(skeleton)?;
-        polygonize(&&field, voxel, self.most_blocks)
+        polygonize(&&field, voxel, self.most_blocks, false)
     }
 
     /// The field, and the side of the finest voxels.
@@ -138,10 +138,18 @@ impl Implicit {
     }
 }
 
-/// The closed surface of a solid, on voxels of `voxel` metres times powers of two, in at most so many blocks.
-pub(crate) fn polygonize(solid: &impl Solid, voxel: f32, most_blocks: usize) -> Result<Mesh, SurfaceError> {
-    march::march(&Bricks::new(solid, voxel, most_blocks)?)
+/// The closed surface of a solid, on voxels of `voxel` metres times powers of two, in at most so many blocks, with the
+/// solid's colours at the vertices if they are wanted.
+pub(crate) fn polygonize(
+    solid: &impl Solid,
+    voxel: f32,
+    most_blocks: usize,
+    colored: bool,
+) -> Result<Mesh, SurfaceError> {
+    march::march(&Bricks::new(solid, voxel, most_blocks)?, colored)
 }
 
+#[cfg(test)]
+mod solid_tests;
 #[cfg(test)]
 mod tests;

@@ -1,12 +1,12 @@
-use super::*;
 use super::field::Felt;
 use super::solid::{Coverage, Part};
+use super::*;
 use crate::math;
 use glam::Vec3;
 use proptest::prelude::*;
 
 /// Vertices less edges plus triangles, after a check that the mesh is sound, closed, oriented and a manifold.
-fn euler(mesh: &Mesh) -> Result<i64, String> {
+pub(super) fn euler(mesh: &Mesh) -> Result<i64, String> {
     mesh.check().map_err(|e| e.to_string())?;
     let mut sides: Vec<[u32; 2]> = mesh.triangles().flat_map(|[a, b, c]| [[a, b], [b, c], [c, a]]).collect();
     sides.sort_unstable();
@@ -37,7 +37,7 @@ fn euler(mesh: &Mesh) -> Result<i64, String> {
     Ok(mesh.positions.len() as i64 - sides.len() as i64 / 2 + mesh.triangles().len() as i64)
 }
 
-fn volume(mesh: &Mesh) -> f64 {
+pub(super) fn volume(mesh: &Mesh) -> f64 {
     let corners = mesh.triangles().map(|t| t.map(|index| mesh.positions[index as usize].as_dvec3()));
     corners.map(|[a, b, c]| a.dot(b.cross(c)) / 6.0).sum()
 }
@@ -161,7 +161,7 @@ fn whole(field: &Field) -> Felt<'_> {
 fn the_gradient_is_the_differences_and_the_normals() {
     let skeleton = fork(0.06, 1.0);
     let (field, voxel) = Implicit::default().field(&skeleton).expect("sound");
-    let mesh = polygonize(&&field, voxel, 10_000).expect("a mesh");
+    let mesh = polygonize(&&field, voxel, 10_000, false).expect("a mesh");
     let all = whole(&field);
     for (&position, &normal) in mesh.positions.iter().zip(&mesh.normals) {
         let (value, slope) = all.gradient(position);
