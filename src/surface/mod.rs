@@ -27,6 +27,7 @@ mod weave;
 
 pub use capsule::{Capsule, Capsules};
 pub use implicit::Implicit;
+pub(crate) use implicit::solid;
 pub use level::{Level, Levels};
 pub use material::Material;
 pub use mesh::{Mesh, MeshError, Wind};

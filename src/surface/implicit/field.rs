@@ -16,7 +16,7 @@ const SLACK: f32 = 1e-5;
 
 /// A straight part of a branch, from one node to the next: a cone with a ball at each end.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Segment {
+pub(crate) struct Segment {
     from: Vec3,
     way: Vec3,
     /// One over the square of the length, or 0 where there is none.
@@ -53,7 +53,7 @@ impl Segment {
 /// The field of a whole tree: each primitive's value is 1 on its surface, more inside, and falls to 0 where the
 /// distance from its axis exceeds its radius by the blend width, which is a share of that radius.
 #[derive(Debug, Clone)]
-pub(super) struct Field {
+pub(crate) struct Field {
     /// Those of a branch one after another.
     pub(super) segments: Vec<Segment>,
     /// The blend width as a share of the radius.
@@ -66,7 +66,7 @@ pub(super) struct Field {
 
 /// The primitives of a field that are felt in a cube.
 #[derive(Debug, Clone)]
-pub(super) struct Felt<'a> {
+pub(crate) struct Felt<'a> {
     field: &'a Field,
     /// In rising order.
     near: SmallVec<[u32; 4]>,

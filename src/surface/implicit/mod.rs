@@ -107,7 +107,7 @@ impl Implicit {
     }
 
     /// The field, and the side of the finest voxels.
-    fn field(&self, skeleton: &Skeleton) -> Result<(Field, f32), SurfaceError> {
+    pub(crate) fn field(&self, skeleton: &Skeleton) -> Result<(Field, f32), SurfaceError> {
         self.check()?;
         let thick = skeleton.radii().iter().copied().filter(|&radius| radius > 0.0);
         let thinnest = thick.fold(f32::INFINITY, f32::min);
