@@ -1,10 +1,10 @@
 //! What is no solid is said to be none, and why.
 
-use treesynth::Skeleton;
 use treesynth::glam::{Affine3A, Vec3};
 use treesynth::surface::blob::{
     BlobError, BlobTreeBuilder, Bounded, Contact, Curve, FieldFunction, Node, Operator, Primitive, Skin,
 };
+use treesynth::{Bounds, Skeleton};
 
 fn ball(builder: &mut BlobTreeBuilder) -> Node {
     builder.add(Primitive::point(Vec3::ZERO, 1.0)).expect("a sound ball")
@@ -124,6 +124,32 @@ fn singular_warps() {
         part = builder.warp(part, Affine3A::from_scale(Vec3::new(1.0, 1e-4, 1.0))).expect("a sound map");
     }
     assert!(matches!(builder.finish(part), Err(BlobError::Singular { .. })));
+}
+
+#[test]
+fn warps_too_far_out() {
+    for map in [Affine3A::from_scale(Vec3::splat(1e12)), Affine3A::from_translation(Vec3::X * 1e30)] {
+        let mut builder = BlobTreeBuilder::default();
+        let part = ball(&mut builder);
+        let far = builder.warp(part, map).expect("a sound map");
+        assert!(matches!(builder.finish(far), Err(BlobError::TooFar { .. })));
+    }
+}
+
+/// Points and boxes that are none are felt by nobody.
+#[test]
+fn points_that_are_none() {
+    let mut builder = BlobTreeBuilder::default();
+    let part = ball(&mut builder);
+    let tree = builder.finish(part).expect("a solid");
+    for odd in [f32::NAN, f32::INFINITY, f32::MIN] {
+        assert_eq!(tree.gradient(Vec3::splat(odd)), (-0.5, Vec3::ZERO));
+        assert_eq!(tree.colour(Vec3::splat(odd)), [0.0; 3]);
+        assert!(tree.part(Bounds::around(Vec3::splat(odd), Vec3::ONE)).is_empty());
+    }
+    assert!(tree.part(Bounds::EMPTY).is_empty());
+    let all = tree.part(Bounds::new(Vec3::NEG_INFINITY, Vec3::INFINITY));
+    assert_eq!(all.value(Vec3::ZERO).to_bits(), tree.value(Vec3::ZERO).to_bits());
 }
 
 #[test]
