@@ -1,11 +1,13 @@
 //! Generalized bounded blending.
 
-use super::field::ISO;
 use super::jet::Jet;
 use super::operator::{Operator, mixed};
 use super::primitive::Range;
 use crate::{Bounds, ParameterError};
 use smallvec::SmallVec;
+
+/// From this value on, the second greatest field is felt in full.
+const MEETING: f32 = 0.45;
 
 /// How [generalized bounded blending](super::BlobTreeBuilder::bounded) joins its parts.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -23,8 +25,8 @@ impl Bounded {
 
     /// The linear RGB colour that the surface takes where the parts meet, as far as the bounding field is 1; default none.
     ///
-    /// Its share is the bounding field times the cube of twice the second greatest field of the parts, so
-    /// 1 where two surfaces meet and 0 where but one is felt (figure 6).
+    /// Its share is the bounding field, as far as the second greatest field of the parts is felt: so all of it where two
+    /// surfaces meet, and nothing where but one is felt (figure 6).
     pub fn with_colour(mut self, linear: [f32; 3]) -> Self {
         self.colour = Some(linear);
         self
@@ -103,8 +105,8 @@ impl Bounded {
                 second = second.max(value.min(best));
                 best = best.max(value);
             }
-            let meeting = (second / ISO).min(1.0);
-            let share = field * meeting * meeting * meeting;
+            let meeting = (second / MEETING).min(1.0);
+            let share = field * meeting * meeting * (3.0 - 2.0 * meeting);
             colour = mixed(&[(1.0 - share, colour), (share, own)]);
         }
         colour

@@ -10,6 +10,8 @@ use super::scene::{Kind, Scene, Warp};
 use crate::Bounds;
 use glam::Affine3A;
 
+/// Farther out than this, in metres, products of coordinates leave the range of 32-bit floats.
+const FARTHEST: f32 = 4e9;
 /// More parts of one operator than this are put into groups, near ones together.
 const GROUP: usize = 4;
 
@@ -209,14 +211,19 @@ impl BlobTreeBuilder {
     ///
     /// # Errors
     /// A root whose field is nowhere 1/2, so that there is no surface; warps of warps that are
-    /// [singular](Self::warp) together; a node that has been used or is of another builder.
+    /// [singular](Self::warp) together, or reach beyond four million kilometres; a node that has been used or is of another builder.
     pub fn finish(mut self, root: Node) -> Result<BlobTree, BlobError> {
         let root = self.take(Operator::Union, [root])?[0];
         let Entry { bounds, most, .. } = self.entries[root as usize];
         if bounds.is_empty() || most < super::field::ISO {
             return Err(BlobError::Empty { most: if bounds.is_empty() { 0.0 } else { most } });
         }
-        Scene::new(&self, root).map(BlobTree::new)
+        let tree = BlobTree::new(Scene::new(&self, root)?);
+        let bounds = tree.bounds();
+        if bounds.min.abs().max(bounds.max.abs()).max_element() > FARTHEST {
+            return Err(BlobError::TooFar { bounds });
+        }
+        Ok(tree)
     }
 
     /// Marks nodes as used.

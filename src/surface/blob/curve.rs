@@ -97,7 +97,8 @@ impl Curve {
             let arriving =
                 if i + 1 == ways.len() { self.tangents[1].unwrap_or(way) } else { tangent(way, after, way) };
             let turn = math::angle_between(leaving, way) + math::angle_between(way, arriving);
-            let parts = (turn / self.turn).ceil().clamp(1.0, MOST_PARTS) as u32;
+            // Not a number where points are none.
+            let parts = ((turn / self.turn).ceil().min(MOST_PARTS) as u32).max(1);
             let length = way.length();
             let slopes = [leaving.normalize_or_zero() * length, arriving.normalize_or_zero() * length];
             let at = |k: u32| {

@@ -1,6 +1,6 @@
 //! Why there is no [`BlobTree`](super::BlobTree).
 
-use crate::ParameterError;
+use crate::{Bounds, ParameterError};
 use glam::Affine3A;
 
 /// Why no [`BlobTree`](super::BlobTree) can be made of some parts.
@@ -46,6 +46,12 @@ pub enum BlobError {
     Empty {
         /// The greatest value it may have.
         most: f32,
+    },
+    /// Farther out than can be computed with.
+    #[error("the BlobTree reaches from {} to {}, but at most 4e9 m out can be computed with", bounds.min, bounds.max)]
+    TooFar {
+        /// Where anything is felt, metres.
+        bounds: Bounds,
     },
     /// More nodes than 32-bit numbers can name.
     #[error("a BlobTree has at most a billion nodes, this has {nodes}")]

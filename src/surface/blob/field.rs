@@ -57,7 +57,7 @@ impl FieldFunction {
     }
 
     /// Where the field begins to fall, in radii.
-    fn plateau(self) -> f32 {
+    pub(super) fn plateau(self) -> f32 {
         match self {
             Self::Smooth { width } => 1.0 - width,
             Self::Wyvill => 0.0,
@@ -83,10 +83,10 @@ impl FieldFunction {
         match self {
             Self::Smooth { width } => {
                 let s = ((x - 1.0) / width).clamp(-1.0, 1.0);
-                let square = s * s;
-                let value = 0.5 - s * (15.0 - square * (10.0 - 3.0 * square)) * (1.0 / 16.0);
-                let rest = 1.0 - square;
-                (value.clamp(0.0, 1.0), -15.0 / 16.0 * rest * rest / width)
+                // As a product, it is above 0 as long as its slope is.
+                let (left, rest) = (1.0 - s, 1.0 - s * s);
+                let value = left * left * left * (8.0 + s * (9.0 + 3.0 * s)) * (1.0 / 16.0);
+                (value.min(1.0), -15.0 / 16.0 * rest * rest / width)
             }
             Self::Wyvill => {
                 let r = x * (1.0 / WYVILL_REACH);

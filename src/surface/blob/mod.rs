@@ -22,8 +22,10 @@ mod field;
 mod jet;
 mod operator;
 mod part;
+mod preset;
 mod primitive;
 mod scene;
+mod skin;
 
 pub use bounded::Bounded;
 pub use builder::{BlobTreeBuilder, Node};
@@ -32,7 +34,9 @@ pub use error::BlobError;
 pub use field::FieldFunction;
 pub use operator::{Contact, Operator};
 pub use part::BlobPart;
+pub use preset::{BlobPreset, by_name, fork, presets};
 pub use primitive::Primitive;
+pub use skin::Skin;
 
 use crate::Bounds;
 use glam::Vec3;

@@ -200,12 +200,11 @@ impl Leaf {
             return (Range::NOTHING, thin);
         }
         let far = (distance + reach) / thin;
-        // Rounding may change the last bits of a value, but not those of 0 and 1.
-        let slack = |value: f32, by: f32| {
-            if value > 0.0 && value < 1.0 { (value + by).clamp(0.0, 1.0) } else { value }
+        // Rounding may change the last bits of a value, but not those of a 1 on the plateau.
+        let slack = |x: f32, by: f32| {
+            if x <= self.field.plateau() { 1.0 } else { (self.field.value(x) + by).clamp(0.0, 1.0) }
         };
-        let least = slack(self.field.value(far), -1e-5);
-        let most = slack(self.field.value(near), 1e-5);
+        let (least, most) = (slack(far, -1e-5), slack(near, 1e-5));
         // The distance changes by a metre a metre, the radius by the taper.
         let lean = taper * far.min(self.field.reach());
         let stretch = (1.0 + lean * lean).sqrt() / thin;

@@ -65,7 +65,7 @@ impl Warp {
     }
 }
 
-/// At least the greatest stretch: the root of the greatest row sum of AᵀA, which is at least its greatest eigenvalue.
+/// At least the greatest stretch: the root of the greatest row sum of `AᵀA`, which is at least its greatest eigenvalue.
 fn norm(matrix: Mat3A) -> f32 {
     let square = matrix.transpose() * matrix;
     let row = |v: glam::Vec3A| v.abs().element_sum();
