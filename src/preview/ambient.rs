@@ -79,7 +79,7 @@ impl Ambient {
         }
     }
 
-    /// Adds the surface of a solid, as a bundle of rays along each axis finds it: a ray that enters it through a surface
+    /// Adds the surface of a solid, as a bundle of rays along each axis finds it: a ray that passes a surface
     /// with the normal n stands for 1/(|nx| + |ny| + |nz|) of the square between it and its neighbours, so that on
     /// average every surface counts once.
     pub(super) fn add_solid(&mut self, solid: &dyn Cast, bounds: Bounds) {
@@ -89,15 +89,15 @@ impl Ambient {
             let across = [(along + 1) % 3, (along + 2) % 3];
             let count = across.map(|axis| (bounds.size()[axis] / spacing).ceil().max(1.0) as usize);
             let way = Vec3::AXES[along];
-            let entries = parallel::map(count[0] * count[1], |i| {
+            let passages = parallel::map(count[0] * count[1], |i| {
                 // Anywhere in its square, by the golden section's relative in the plane (Roberts 2018).
                 let jitter = [i as f32 * 0.754_877_7, i as f32 * 0.569_840_3].map(|x| x - x.floor());
                 let mut origin = low;
                 origin[across[0]] += ((i % count[0]) as f32 + jitter[0]) * spacing;
                 origin[across[1]] += ((i / count[0]) as f32 + jitter[1]) * spacing;
-                solid.entries(&Ray { origin, way, from: -f32::MAX, to: f32::MAX })
+                solid.passages(&Ray { origin, way, from: -f32::MAX, to: f32::MAX })
             });
-            for (point, normal) in entries.into_iter().flatten() {
+            for (point, normal) in passages.into_iter().flatten() {
                 self.add_area(point, spacing * spacing / normal.abs().element_sum());
             }
         }

@@ -1,6 +1,6 @@
 //! Shaded pictures of meshes without a GPU: for READMEs, tests and eyes.
 //!
-//! [`Preview`] draws meshes, [`Camera`] says from where, [`Picture`] holds pixels, writes them as PNG, and has what
+//! [`Preview`] draws meshes, [`RayCaster`] implicit solids, [`Camera`] says from where, [`Picture`] holds pixels, writes them as PNG, and has what
 //! figures and contact sheets need: lines, labels, pictures in pictures.
 //!
 //! The same input gives the same pixels on every platform.

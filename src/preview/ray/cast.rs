@@ -76,8 +76,8 @@ pub(in super::super) trait Cast: Sync {
     /// How much of the sun in the direction `sun` is seen from a point of a surface.
     fn sunlight(&self, point: Vec3, normal: Vec3, sun: Vec3, beams: Sunbeams) -> Sunlight;
 
-    /// Where a ray enters the solid, and the normals there.
-    fn entries(&self, ray: &Ray) -> Vec<(Vec3, Vec3)>;
+    /// Where a ray enters and leaves the solid, and the normals there.
+    fn passages(&self, ray: &Ray) -> Vec<(Vec3, Vec3)>;
 
     /// Whether more memory was needed than was allowed: all answers may be wrong then.
     fn is_full(&self) -> bool;
@@ -122,15 +122,13 @@ impl<S: Solid> Cast for Octree<'_, S> {
         Sunlight { seen, softness }
     }
 
-    fn entries(&self, ray: &Ray) -> Vec<(Vec3, Vec3)> {
-        let mut entries = Vec::new();
+    fn passages(&self, ray: &Ray) -> Vec<(Vec3, Vec3)> {
+        let mut passages = Vec::new();
         self.crossings(&self.whole(), ray, |crossing| {
-            if crossing.entering {
-                entries.push(crossing.place(ray));
-            }
+            passages.push(crossing.place(ray));
             ControlFlow::Continue(())
         });
-        entries
+        passages
     }
 
     fn is_full(&self) -> bool {

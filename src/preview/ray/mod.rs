@@ -1,4 +1,4 @@
-//! Pictures of implicit solids, cast ray by ray, without a mesh.
+//! Pictures of implicit solids, cast ray by ray, without a mesh (section 5 of Galbraith, Mündermann and Wyvill 2004).
 
 mod cast;
 mod octree;
@@ -16,7 +16,28 @@ use crate::{Observer, ParameterError, Skeleton};
 use glam::Vec3;
 use octree::Octree;
 
-/// Draws implicit surfaces as they are, without triangles.
+/// Draws implicit surfaces as they are, without triangles: the same camera, sun, sky, ground and background as
+/// [`Preview`], and meshes, such as leaves, in the same picture.
+///
+/// A ray for each sample of a pixel finds the first root of the field, in steps that the field's steepness allows, so
+/// that no twig is stepped over; rays to points all over the sun make soft shadows. Where every other sample of a pixel shows one
+/// smooth surface, the rest are not cast. The sky is darkened by all surface in a coarse grid, as in a preview.
+///
+/// An octree of the solid's parts is split where rays come, down to a pixel or the thickness of what is in a cube. So time and memory grow
+/// with the pixels that show something, and hardly with the number of primitives: 768 by 768 pixels of a tree of 154,000
+/// primitives take about 6 s on two threads. With the feature `parallel` on rayon's threads; the same pixels at any number of them.
+/// Within a solid it is dark: a camera there sees black.
+///
+/// ```
+/// use treesynth::preview::{Preview, RayCaster};
+/// use treesynth::{Silent, Skeleton, glam::Vec3, surface::blob::Skin};
+///
+/// let pole = Skeleton::new(vec![Vec3::ZERO, Vec3::Y], vec![None, Some(0)])?.with_radii(vec![0.1, 0.05])?;
+/// let caster = RayCaster::new(Preview::default().with_size(60, 80));
+/// let picture = caster.draw(&Skin::default().blob_tree(&pole)?, &[], &Silent)?;
+/// assert_eq!((picture.width(), picture.height()), (60, 80));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Debug, Clone, PartialEq)]
 pub struct RayCaster {
     preview: Preview,
@@ -25,25 +46,26 @@ pub struct RayCaster {
 }
 
 impl Default for RayCaster {
+    /// Of the default [`Preview`], with shadows, at most 20 million cubes.
     fn default() -> Self {
         Self::new(Preview::default())
     }
 }
 
 impl RayCaster {
-    /// Of pictures as this has them.
+    /// Of pictures as `preview` has them: its size, samples, camera, sun, background and ground. Its bark is not used.
     pub fn new(preview: Preview) -> Self {
         Self { preview, shadows: true, most_cubes: 20_000_000 }
     }
 
-    /// Whether the solid casts shadows, on itself, on meshes and on the ground; default true. Without, a picture
-    /// takes about half of the time.
+    /// Whether the solid casts shadows, on itself, on meshes and on the ground; default true.
     pub fn with_shadows(mut self, shadows: bool) -> Self {
         self.shadows = shadows;
         self
     }
 
-    /// The greatest number of cubes that the surface may pass, 1 to a billion; default 20 million.
+    /// The greatest number of cubes that the surface may pass, 1 to a billion; default 20 million. A cube takes some 300
+    /// bytes; the tree above needs about 2 million.
     pub fn with_most_cubes(mut self, cubes: usize) -> Self {
         self.most_cubes = cubes;
         self

@@ -10,6 +10,8 @@ use proptest::prelude::*;
 use std::ops::ControlFlow;
 use std::sync::Mutex;
 
+/// The hash of the picture that all numbers of threads draw.
+const PINNED: u64 = 0x0;
 const BOX: Bounds = Bounds { min: Vec3::new(-2.0, -2.0, -2.0), max: Vec3::new(2.0, 2.0, 2.0) };
 const BALL: Shape = Shape::Sphere(Vec3::new(0.1, 0.2, 0.3), 1.0);
 const RING: Shape = Shape::Torus(Vec3::ZERO, 1.2, 0.3);
@@ -127,12 +129,12 @@ fn surfaces_are_counted_once_by_rays_along_axes() {
     let octree = Octree::new(&solid, &view, 3, usize::MAX);
     let mut ambient = crate::preview::ambient::Ambient::new(solid_bounds(&solid));
     ambient.add_solid(&octree, solid_bounds(&solid));
-    let area = 4.0 * std::f32::consts::PI.powi(2) * 1.2 * 0.3;
+    let area = std::f32::consts::TAU * std::f32::consts::TAU * 1.2 * 0.3;
     assert!((ambient.surface() - area).abs() < 0.02 * area, "{} for {area}", ambient.surface());
 }
 
 fn solid_bounds(solid: &Union) -> Bounds {
-    crate::surface::solid::Solid::bounds(solid)
+    solid.bounds()
 }
 
 #[test]
@@ -141,7 +143,7 @@ fn the_outline_is_tight() {
     for (direction, point) in directions.into_iter().zip(outline::outline(&one(BALL), &directions)) {
         let reach = Vec3::new(0.1, 0.2, 0.3).dot(direction) + direction.length();
         let error = (point.dot(direction) - reach) / direction.length();
-        assert!((0.0..4e-3).contains(&error), "{error} along {direction}");
+        assert!((-1e-5..8e-3).contains(&error), "{error} along {direction}");
     }
 }
 
@@ -200,11 +202,10 @@ fn a_ball_stands_before_and_behind_a_board() {
 fn a_ball_shades_what_is_below_it() {
     let ball = |y: f32| (Shape::Sphere(Vec3::new(0.0, y, 0.0), 0.5), [0.5; 3]);
     let solid = Union(vec![ball(-1.0), ball(1.0)]);
-    let camera = Camera::default().with_elevation(0.2).framing(BOX);
-    let preview = plain(80).with_sun(Vec3::Y).with_camera(camera);
+    let preview = plain(80).with_sun(Vec3::Y);
     let draw = |shadows: bool| {
         let caster = RayCaster::new(preview.clone()).with_shadows(shadows);
-        caster.cast(&solid, &[], &Silent).expect("a picture").pixel(40, 53).expect("inside")[1]
+        caster.cast(&solid, &[], &Silent).expect("a picture").pixel(40, 51).expect("inside")[1]
     };
     assert!(draw(true) + 40 < draw(false), "{} {}", draw(true), draw(false));
 }
@@ -218,6 +219,12 @@ fn threads_do_not_matter() {
         pool.install(|| caster.cast(&solid, &[], &Silent).expect("a picture"))
     });
     assert!(pictures[0] == pictures[1] && pictures[1] == pictures[2]);
+    let bytes = pictures[0].pixels().as_flattened().iter();
+    // FNV-1a. If it is meant to change, so is CHANGELOG.md.
+    let hash = bytes.fold(0xcbf2_9ce4_8422_2325_u64, |hash, &byte| {
+        (hash ^ u64::from(byte)).wrapping_mul(0x0100_0000_01b3)
+    });
+    assert_eq!(hash, PINNED, "{hash:#x}");
 }
 
 #[test]
@@ -233,6 +240,48 @@ fn it_can_be_watched_and_stopped() {
     assert!(seen.len() > 2 && seen.is_sorted() && seen.last() == Some(&1.0), "{seen:?}");
     let stop = |_: Progress| ControlFlow::Break(());
     assert!(matches!(caster.cast(&one(BALL), &[], &stop), Err(PreviewError::Cancelled)));
+}
+
+/// The root of the field and the polygonizer's mesh of it.
+#[test]
+fn rays_hit_where_the_mesh_is() {
+    let points = vec![Vec3::ZERO, Vec3::Y, Vec3::new(0.2, 2.0, 0.1), Vec3::new(0.8, 1.5, 0.3)];
+    let skeleton = Skeleton::new(points, vec![None, Some(0), Some(1), Some(1)]).expect("a tree");
+    let skeleton = skeleton.with_radii(vec![0.2, 0.15, 0.1, 0.1]).expect("sound radii");
+    let surface = Implicit::default().with_voxel(0.02);
+    let mesh = surface.mesh(&skeleton).expect("a surface");
+    let (field, voxel) = surface.field(&skeleton).expect("a field");
+    let (solid, view) = (&field, view());
+    let octree = Octree::new(&solid, &view, 3, usize::MAX);
+    let (mut both, mut one) = (0, 0);
+    for i in 0..400 {
+        let angle = i as f32 * 2.4;
+        let to = Vec3::new(0.3 * math::cos(3.7 * angle), i as f32 * 0.005, 0.3 * math::sin(1.3 * angle));
+        let ray =
+            ray(Vec3::new(4.0 * math::cos(angle), 2.0 * math::sin(0.3 * angle), 4.0 * math::sin(angle)), to);
+        let found = octree.hit(&octree.whole(), &ray);
+        let triangles = mesh.triangles().map(|corners| corners.map(|corner| mesh.positions[corner as usize]));
+        let meets = triangles.filter_map(|[a, b, c]| {
+            // Möller and Trumbore 1997.
+            let (ab, ac, from) = (b - a, c - a, ray.origin - a);
+            let across = ray.way.cross(ac);
+            let inverse = 1.0 / ab.dot(across);
+            let (u, v) = (from.dot(across) * inverse, ray.way.dot(from.cross(ab)) * inverse);
+            (u >= 0.0 && v >= 0.0 && u + v <= 1.0).then(|| ac.dot(from.cross(ab)) * inverse)
+        });
+        let nearest = meets.filter(|&t| t > 0.0).min_by(f32::total_cmp);
+        match (found, nearest) {
+            (Some(hit), Some(nearest)) => {
+                both += 1;
+                let off = (ray.origin + ray.way * nearest - hit.point).dot(hit.normal).abs();
+                // Grazing rays may miss what is half a voxel off and hit what is behind it.
+                one += usize::from(off > voxel);
+            }
+            (None, None) => {}
+            _ => one += 1,
+        }
+    }
+    assert!(both > 150 && one * 50 < both, "{both} hits of both, {one} apart");
 }
 
 #[test]

@@ -22,7 +22,6 @@ pub(in super::super) struct Ray {
 pub(super) struct Crossing<'a, P> {
     /// Metres along the ray, on the outer side of the surface.
     pub(super) t: f32,
-    pub(super) entering: bool,
     /// The leaf it lies in; none if the ray starts within.
     pub(super) leaf: Option<(&'a Leaf<P>, Cube)>,
 }
@@ -76,7 +75,7 @@ struct Walk<'a, 'o, S: Solid, V> {
 impl Ray {
     /// The bits of the axes along which it goes backwards.
     pub(super) fn mirror(&self) -> usize {
-        (0..3).filter(|&axis| self.way[axis] < 0.0).fold(0, |bits, axis| bits | 1 << axis)
+        (0..3).filter(|&axis| self.way[axis].is_sign_negative()).fold(0, |bits, axis| bits | 1 << axis)
     }
 }
 
@@ -188,7 +187,7 @@ impl<'o, S: Solid, V: FnMut(Crossing<'o, S::Part>) -> ControlFlow<()>> Walk<'_, 
 
     fn cross(&mut self, t: f32) -> ControlFlow<()> {
         self.inside = !self.inside;
-        (self.visit)(Crossing { t, entering: self.inside, leaf: self.last })
+        (self.visit)(Crossing { t, leaf: self.last })
     }
 
     fn leaf(&mut self, leaf: &'o Leaf<S::Part>, cube: Cube, enter: f32, leave: f32) -> ControlFlow<()> {
@@ -225,8 +224,8 @@ impl<'o, S: Solid, V: FnMut(Crossing<'o, S::Part>) -> ControlFlow<()>> Walk<'_, 
     }
 }
 
-/// Between two places of which one is inside, the root by regula falsi (the Illinois variant), to within `tolerance`
-/// and on the outer side.
+/// Between two places of which one is inside, the root to within `tolerance` and on the outer side. By regula falsi that
+/// keeps off both ends, so that neither stays where it is for long.
 fn root(
     mut a: (f32, f32),
     mut b: (f32, f32),
@@ -234,21 +233,18 @@ fn root(
     value: impl Fn(f32) -> f32,
     a_inside: bool,
 ) -> f32 {
-    // Weights, halved for the end that stays.
-    let (mut at_a, mut at_b) = (a.1, b.1);
     for _ in 0..REFINEMENTS {
         if (b.0 - a.0).abs() <= tolerance {
             break;
         }
-        let share = at_a / (at_a - at_b);
-        let t = a.0 + (b.0 - a.0) * if (0.0..=1.0).contains(&share) { share } else { 0.5 };
+        let share = a.1 / (a.1 - b.1);
+        let share = if share.is_finite() { share.clamp(0.1, 0.9) } else { 0.5 };
+        let t = a.0 + (b.0 - a.0) * share;
         let here = value(t);
         if (here >= 0.0) == a_inside {
-            (a, at_a) = ((t, here), here);
-            at_b *= 0.5;
+            a = (t, here);
         } else {
-            (b, at_b) = ((t, here), here);
-            at_a *= 0.5;
+            b = (t, here);
         }
     }
     if a_inside { b.0 } else { a.0 }
