@@ -5,19 +5,21 @@
 
 mod cast;
 mod soft;
+mod tone;
 
 use super::camera::View;
 use super::light::{Light, Lit, Seen};
 use super::raster;
-use super::ray::{Cast, Sunbeams, Sunlight};
+use super::ray::{Cast, Sunbeams};
 use super::{Placed, Preview};
 use crate::math;
 use crate::observer::{Cancelled, Observer, Work, report};
 use crate::parallel;
-use cast::Glimpse;
+use cast::{Glimpse, Sun};
 use glam::{Vec2, Vec3, Vec3Swizzles};
 use soft::{Rows, Texel};
 use std::ops::Range;
+use tone::Tones;
 
 /// Rows of pixels in a strip: its samples stay in the cache.
 const STRIP: usize = 24;
@@ -410,36 +412,6 @@ impl<'a> Frame<'a> {
     }
 }
 
-/// The sunlight of a pixel's samples.
-#[derive(Default)]
-struct Sun {
-    color: Vec3,
-    seen: f32,
-    weight: f32,
-    softness: f32,
-    first: Glimpse,
-}
-
-impl Sun {
-    fn add(&mut self, seen: &Glimpse) {
-        let weight = seen.sun.element_sum();
-        if weight > 0.0 {
-            if self.weight == 0.0 {
-                self.first = *seen;
-            }
-            self.color += seen.sun;
-            self.weight += weight;
-            self.seen += weight * seen.light.seen;
-            self.softness = self.softness.max(seen.light.softness);
-        }
-    }
-
-    fn light(&self) -> Sunlight {
-        let seen = if self.weight > 0.0 { self.seen / self.weight } else { 1.0 };
-        Sunlight { seen, softness: self.softness }
-    }
-}
-
 /// What strips that are drawn one after the other have in common.
 struct Group {
     strip: Strip,
@@ -535,24 +507,5 @@ impl Strip {
                 }
             }
         }
-    }
-}
-
-/// From linear light to 8 bits of sRGB.
-struct Tones(Vec<f32>);
-
-impl Tones {
-    const STEPS: usize = 8192;
-    /// In which order the pixels of a 4 by 4 block round up (Bayer), so that slow gradients show no bands.
-    const ORDER: [[u8; 4]; 4] = [[0, 8, 2, 10], [12, 4, 14, 6], [3, 11, 1, 9], [15, 7, 13, 5]];
-
-    fn new() -> Self {
-        Self((0..Self::STEPS).map(|i| math::srgb(i as f32 / (Self::STEPS - 1) as f32) * 255.0).collect())
-    }
-
-    fn of(&self, color: Vec3, (column, row): (usize, usize)) -> [u8; 3] {
-        let threshold = (f32::from(Self::ORDER[row % 4][column % 4]) + 0.5) / 16.0;
-        let scaled = color.clamp(Vec3::ZERO, Vec3::ONE) * (Self::STEPS - 1) as f32 + 0.5;
-        scaled.to_array().map(|channel| (self.0[channel as usize] + threshold) as u8)
     }
 }

@@ -142,3 +142,33 @@ impl Strip {
         self.seen[at] = glimpse;
     }
 }
+
+/// The sunlight of a pixel's samples.
+#[derive(Default)]
+pub(super) struct Sun {
+    pub(super) color: Vec3,
+    seen: f32,
+    weight: f32,
+    softness: f32,
+    pub(super) first: Glimpse,
+}
+
+impl Sun {
+    pub(super) fn add(&mut self, seen: &Glimpse) {
+        let weight = seen.sun.element_sum();
+        if weight > 0.0 {
+            if self.weight == 0.0 {
+                self.first = *seen;
+            }
+            self.color += seen.sun;
+            self.weight += weight;
+            self.seen += weight * seen.light.seen;
+            self.softness = self.softness.max(seen.light.softness);
+        }
+    }
+
+    pub(super) fn light(&self) -> Sunlight {
+        let seen = if self.weight > 0.0 { self.seen / self.weight } else { 1.0 };
+        Sunlight { seen, softness: self.softness }
+    }
+}
