@@ -64,6 +64,8 @@ pub enum Work {
     Radii,
     /// Branches are being optimized to fill a shape.
     Optimization,
+    /// A picture is being drawn by casting rays.
+    Picture,
 }
 
 impl<F: Fn(Progress) -> ControlFlow<()> + Sync> Observer for F {

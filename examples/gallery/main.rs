@@ -2,6 +2,7 @@
 //!
 //!     cargo run --release --example gallery -- [--nodes N] [--out DIR] [--size PIXELS] [--only TEXT]
 
+mod blobs;
 mod plane;
 mod shapes;
 mod stands;
@@ -80,7 +81,8 @@ fn main() -> Result<(), Failure> {
         let sheet = Picture::sheet(&pictures, 5, 6, [255, 255, 255])?;
         write(&options.out.join("sheet-stands.png"), &sheet)?;
     }
-    shapes::draw_all(&options)
+    shapes::draw_all(&options)?;
+    blobs::draw_all(&options)
 }
 
 /// Small pictures of a few presets on one sheet, which the documentation of the crate carries within itself.

@@ -95,7 +95,7 @@ impl GlbOptions {
     }
 }
 
-/// Writes `mesh` as a glTF 2.0 binary file: positions, normals, texture coordinates if there are any, indices.
+/// Writes `mesh` as a glTF 2.0 binary file: positions, normals, indices, and whatever else the vertices have.
 ///
 /// glTF's axes and unit are this crate's (right-handed, +Y up, metres), so nothing is converted and every number
 /// comes back as it is. The same mesh and options give the same bytes. O(vertices + triangles) time, O(1) memory.
@@ -191,6 +191,7 @@ fn attributes(mesh: &Mesh) -> Vec<(&'static str, Data<'_>)> {
     for (name, data) in [
         ("TANGENT", Data::Vec4(&mesh.tangents)),
         ("TEXCOORD_0", Data::Vec2(&mesh.uvs)),
+        ("COLOR_0", Data::Colors(&mesh.colors)),
         ("_WIND_PIVOT", Data::WindPivots(&mesh.wind)),
         ("_WIND", Data::Wind(&mesh.wind)),
     ] {
@@ -207,6 +208,7 @@ enum Data<'a> {
     Vec2(&'a [Vec2]),
     Vec3(&'a [Vec3]),
     Vec4(&'a [Vec4]),
+    Colors(&'a [[f32; 3]]),
     WindPivots(&'a [Wind]),
     Wind(&'a [Wind]),
     Indices(&'a [u32]),
@@ -221,6 +223,7 @@ impl Data<'_> {
             Self::Vec2(array) => array.len(),
             Self::Vec3(array) => array.len(),
             Self::Vec4(array) => array.len(),
+            Self::Colors(array) => array.len(),
             Self::WindPivots(array) | Self::Wind(array) => array.len(),
             Self::Indices(array) => array.len(),
             Self::Translations(array) | Self::Rotations(array) | Self::Scales(array) => array.len(),
@@ -232,9 +235,12 @@ impl Data<'_> {
         match self {
             Self::Indices(_) => (1, "SCALAR"),
             Self::Vec2(_) => (2, "VEC2"),
-            Self::Vec3(_) | Self::WindPivots(_) | Self::Wind(_) | Self::Translations(_) | Self::Scales(_) => {
-                (3, "VEC3")
-            }
+            Self::Vec3(_)
+            | Self::Colors(_)
+            | Self::WindPivots(_)
+            | Self::Wind(_)
+            | Self::Translations(_)
+            | Self::Scales(_) => (3, "VEC3"),
             Self::Vec4(_) | Self::Rotations(_) => (4, "VEC4"),
         }
     }
@@ -262,6 +268,7 @@ impl Data<'_> {
             Self::Vec2(array) => write_all(writer, array, |v| v.to_array().map(floats)),
             Self::Vec3(array) => write_all(writer, array, |v| v.to_array().map(floats)),
             Self::Vec4(array) => write_all(writer, array, |v| v.to_array().map(floats)),
+            Self::Colors(array) => write_all(writer, array, |color| color.map(floats)),
             Self::WindPivots(array) => write_all(writer, array, |wind| wind.pivot.to_array().map(floats)),
             Self::Wind(array) => {
                 write_all(writer, array, |wind| [wind.level, wind.phase, wind.stiffness].map(floats))

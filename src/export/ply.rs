@@ -2,6 +2,7 @@
 
 use super::{ExportError, check_parts};
 use crate::surface::Part;
+use glam::Vec3;
 use std::io::{self, Write};
 
 /// How a PLY file has its numbers.
@@ -16,7 +17,7 @@ pub enum PlyFormat {
 }
 
 /// Writes all parts as one list of vertices and one of triangles, instances multiplied out one by one. The parts'
-/// colours go to the vertices (sRGB); texture coordinates `s` and `t` are there if every part has them, `t` going up.
+/// colours go to the vertices (sRGB), times the vertices' own; texture coordinates `s` and `t` are there if every part has them, `t` going up.
 ///
 /// Metres, +Y up. O(vertices + triangles) time, O(1) memory.
 ///
@@ -55,7 +56,8 @@ pub fn write_ply(parts: &[Part<'_>], format: PlyFormat, writer: impl Write) -> R
     writeln!(writer, "element face {triangles}\nproperty list uchar uint vertex_indices\nend_header")?;
 
     for part in parts {
-        let (mesh, color) = (part.mesh(), part.material().srgb());
+        let (mesh, material) = (part.mesh(), part.material());
+        let (look, color) = (Vec3::from_array(material.color()), material.srgb());
         for copy in part.copies() {
             let (matrix, rotation) = (copy.matrix(), copy.rotation_matrix());
             for (i, (&position, &normal)) in mesh.positions.iter().zip(&mesh.normals).enumerate() {
@@ -67,6 +69,8 @@ pub fn write_ply(parts: &[Part<'_>], format: PlyFormat, writer: impl Write) -> R
                 if has_uvs {
                     floats[6..].copy_from_slice(&[mesh.uvs[i].x, 1.0 - mesh.uvs[i].y]);
                 }
+                let own = mesh.colors.get(i).map(|&own| look * Vec3::from_array(own));
+                let color = own.map_or(color, |own| material.with_color(own.to_array()).srgb());
                 vertex(&mut writer, format, &floats[..6 + uvs.len()], color)?;
             }
         }

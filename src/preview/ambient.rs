@@ -4,13 +4,17 @@
 //! (Cauchy), so a cell of volume V that holds it lets `exp(-A/4V · s)` through on a way of length s. The light of a
 //! few directions sweeps down through the grid.
 
+use super::ray::{Cast, Ray};
 use crate::math;
+use crate::parallel;
 use crate::shape::Bounds;
 use glam::Vec3;
 use std::f32::consts::TAU;
 
 /// Cells along the longest side.
 const CELLS: f32 = 48.0;
+/// Rays that look for a solid's surface, a cell's side.
+const RAYS: f32 = 2.0;
 /// Directions light comes from: how many around the vertical, and the tangent of their angle to it.
 const DIRECTIONS: [(usize, f32); 3] = [(1, 0.0), (6, 0.7), (9, 1.7)];
 
@@ -64,10 +68,45 @@ impl Ambient {
     #[inline]
     pub(super) fn add(&mut self, [a, b, c]: [Vec3; 3], two_sided: bool) {
         let area = (b - a).cross(c - a).length() * if two_sided { 1.0 } else { 0.5 };
-        let (first, within) = self.place((a + b + c) / 3.0);
+        self.add_area((a + b + c) / 3.0, area);
+    }
+
+    #[inline]
+    fn add_area(&mut self, point: Vec3, area: f32) {
+        let (first, within) = self.place(point);
         for (index, weight) in self.neighbours(first, within) {
             self.cells[index] += area * weight;
         }
+    }
+
+    /// Adds the surface of a solid, as a bundle of rays along each axis finds it: a ray that passes a surface
+    /// with the normal n stands for 1/(|nx| + |ny| + |nz|) of the square between it and its neighbours, so that on
+    /// average every surface counts once.
+    pub(super) fn add_solid(&mut self, solid: &dyn Cast, bounds: Bounds) {
+        let spacing = self.cell / RAYS;
+        let low = bounds.min;
+        for along in 0..3 {
+            let across = [(along + 1) % 3, (along + 2) % 3];
+            let count = across.map(|axis| (bounds.size()[axis] / spacing).ceil().max(1.0) as usize);
+            let way = Vec3::AXES[along];
+            let passages = parallel::map(count[0] * count[1], |i| {
+                // Anywhere in its square, by the golden section's relative in the plane (Roberts 2018).
+                let jitter = [i as f32 * 0.754_877_7, i as f32 * 0.569_840_3].map(|x| x - x.floor());
+                let mut origin = low;
+                origin[across[0]] += ((i % count[0]) as f32 + jitter[0]) * spacing;
+                origin[across[1]] += ((i / count[0]) as f32 + jitter[1]) * spacing;
+                solid.passages(&Ray { origin, way, from: -f32::MAX, to: f32::MAX })
+            });
+            for (point, normal) in passages.into_iter().flatten() {
+                self.add_area(point, spacing * spacing / normal.abs().element_sum());
+            }
+        }
+    }
+
+    /// All surface that has been added, square metres.
+    #[cfg(test)]
+    pub(super) fn surface(&self) -> f32 {
+        self.cells.iter().sum()
     }
 
     /// To be called once, when everything is in: lets the light down.

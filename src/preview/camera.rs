@@ -1,6 +1,7 @@
 //! From where a picture is taken.
 
 use super::PreviewError;
+use super::ray::Ray;
 use crate::ParameterError;
 use crate::math;
 use crate::shape::Bounds;
@@ -116,14 +117,30 @@ impl Camera {
         Ok(())
     }
 
-    /// The view of a picture `width` by `height` samples that holds all `points`, of which there is at least one.
-    pub(super) fn view(&self, points: impl Iterator<Item = Vec3>, width: f32, height: f32) -> View {
+    fn axes(&self) -> Axes {
         let (azimuth_sin, azimuth_cos) = math::sin_cos(self.azimuth % (2.0 * PI));
         let (elevation_sin, elevation_cos) = math::sin_cos(self.elevation.clamp(-FRAC_PI_2, FRAC_PI_2));
         let back = Vec3::new(azimuth_sin * elevation_cos, elevation_sin, azimuth_cos * elevation_cos);
         let right = Vec3::new(azimuth_cos, 0.0, -azimuth_sin);
-        let axes = Axes { right, up: back.cross(right), back };
+        Axes { right, up: back.cross(right), back }
+    }
 
+    /// The directions whose farthest points decide where it stands for a picture `width` by `height` samples.
+    pub(super) fn directions(&self, width: f32, height: f32) -> [Vec3; 5] {
+        let Axes { right, up, back } = self.axes();
+        let usable = 0.5 - self.margin;
+        let [across, along] = match self.projection {
+            Projection::Perspective { field_of_view } => {
+                [width, height].map(|side| back * (side * usable / focal(field_of_view, height)))
+            }
+            Projection::Orthographic => [Vec3::ZERO; 2],
+        };
+        [right + across, across - right, up + along, along - up, back]
+    }
+
+    /// The view of a picture `width` by `height` samples that holds all `points`, of which there is at least one.
+    pub(super) fn view(&self, points: impl Iterator<Item = Vec3>, width: f32, height: f32) -> View {
+        let axes = self.axes();
         let usable = 1.0 - 2.0 * self.margin;
         let (half_width, half_height) = (0.5 * width * usable, 0.5 * height * usable);
         let middle = (0.5 * width, 0.5 * height);
@@ -131,8 +148,7 @@ impl Camera {
         let mut fit = Fit::default();
         match self.projection {
             Projection::Perspective { field_of_view } => {
-                let (sin, cos) = math::sin_cos(0.5 * field_of_view);
-                let focal = 0.5 * height * cos / sin;
+                let focal = focal(field_of_view, height);
                 fit.slope = (half_width / focal, half_height / focal);
                 corners.iter().flatten().for_each(|&p| fit.add(&axes, p));
                 if corners.is_none() {
@@ -162,6 +178,12 @@ impl Camera {
             }
         }
     }
+}
+
+/// Samples a unit of slope.
+fn focal(field_of_view: f32, height: f32) -> f32 {
+    let (sin, cos) = math::sin_cos(0.5 * field_of_view);
+    0.5 * height * cos / sin
 }
 
 /// The camera's axes in the world.
@@ -248,6 +270,38 @@ impl View {
         } else {
             self.eye + right * dx + up * dy + back * nearness
         }
+    }
+
+    /// How near a point in front of the camera is, as [`project`](Self::project) has it.
+    #[inline]
+    pub(super) fn nearness(&self, point: Vec3) -> f32 {
+        let depth = (self.eye - point).dot(self.axes.back);
+        if self.perspective { 1.0 / depth.max(self.nearest) } else { -depth }
+    }
+
+    /// The line of sight through a place of the picture.
+    pub(super) fn ray(&self, x: f32, y: f32) -> Ray {
+        let (dx, dy) = ((x - self.middle.0) / self.scale, (self.middle.1 - y) / self.scale);
+        let Axes { right, up, back } = self.axes;
+        if self.perspective {
+            let way = right * dx + up * dy - back;
+            let length = way.length();
+            Ray { origin: self.eye, way: way / length, from: self.nearest * length, to: f32::MAX }
+        } else {
+            let origin = self.eye + right * dx + up * dy;
+            Ray { origin, way: -back, from: -f32::MAX, to: f32::MAX }
+        }
+    }
+
+    /// The side of a sample, metres: at the eye, and what it grows by a metre.
+    pub(super) fn sample_size(&self) -> [f32; 2] {
+        if self.perspective { [0.0, 1.0 / self.scale] } else { [1.0 / self.scale, 0.0] }
+    }
+
+    /// The side of a sample, metres, at a point's distance.
+    pub(super) fn sample(&self, point: Vec3) -> f32 {
+        let [near, growth] = self.sample_size();
+        near + growth * point.distance(self.eye)
     }
 
     /// What a step of one sample is in nearness.

@@ -3,21 +3,40 @@
 //! Each strip holds for every sample the nearest triangle and its nearness. Only when all are in is anything
 //! shaded, once a pixel and triangle. Thin triangles (see [`raster`]) are laid over the pixels by their area.
 
+mod cast;
+mod soft;
+mod tone;
+
 use super::camera::View;
-use super::light::{Light, Seen};
+use super::light::{Light, Lit, Seen};
 use super::raster;
+use super::ray::{Cast, Sunbeams};
 use super::{Placed, Preview};
 use crate::math;
+use crate::observer::{Cancelled, Observer, Work, report};
 use crate::parallel;
+use cast::{Glimpse, Sun};
 use glam::{Vec2, Vec3, Vec3Swizzles};
+use soft::{Rows, Texel};
 use std::ops::Range;
+use tone::Tones;
 
 /// Rows of pixels in a strip: its samples stay in the cache.
 const STRIP: usize = 24;
+/// The same where rays are cast, which takes longer: whoever watches wants to hear of it.
+const CAST_STRIP: usize = 8;
+/// Strips that a group draws before the pixels are taken from it.
+const TURNS: usize = 4;
 /// Groups of strips that are drawn side by side. Each remembers shades of its own.
 const GROUPS: usize = 4;
 /// No triangle.
 const NOTHING: u32 = u32::MAX;
+/// A solid instead.
+const SOLID: u32 = u32::MAX - 1;
+/// Rays to the sun from a pixel of the ground; its neighbours' add to them.
+const GROUND_BEAMS: usize = 4;
+/// Rays to the sun from the middle of a triangle.
+const FACET_BEAMS: usize = 4;
 /// Triangles lower than this many samples are thin.
 const THIN: f32 = 1.5;
 /// The same for leaves: their triangles lie side by side, so that what one misses the next one meets.
@@ -26,6 +45,9 @@ const THIN_LEAF: f32 = 0.4;
 const SMALL: f32 = 4.0;
 /// Part of a pixel over which something thin passes on into the next one.
 const SOFTNESS: f32 = 0.75;
+
+/// The weights of a triangle's corners in its middle.
+const MIDDLE: [f32; 3] = [1.0 / 3.0; 3];
 
 /// A triangle turned towards the camera.
 #[derive(Debug, Clone, Copy)]
@@ -41,8 +63,9 @@ struct Facet {
 pub(super) struct Frame<'a> {
     preview: &'a Preview,
     parts: &'a [Placed<'a>],
-    view: View,
-    light: Light,
+    view: &'a View,
+    light: Light<'a>,
+    solid: Option<&'a dyn Cast>,
     /// Height of the ground, and the middle and radius of the disc of it that is drawn.
     ground: Option<(Vec3, f32)>,
     projected: Vec<Vec<Vec3>>,
@@ -52,14 +75,17 @@ pub(super) struct Frame<'a> {
     starts: Vec<usize>,
     columns: usize,
     samples: usize,
+    /// Rows of pixels in a strip.
+    strip: usize,
 }
 
 impl<'a> Frame<'a> {
     pub(super) fn new(
         preview: &'a Preview,
         parts: &'a [Placed<'a>],
-        view: View,
-        light: Light,
+        view: &'a View,
+        light: Light<'a>,
+        solid: Option<&'a dyn Cast>,
         ground: Option<(Vec3, f32)>,
     ) -> Self {
         let samples = preview.supersampling as usize;
@@ -68,6 +94,7 @@ impl<'a> Frame<'a> {
             parts,
             view,
             light,
+            solid,
             ground,
             projected: Vec::new(),
             facets: Vec::new(),
@@ -75,6 +102,7 @@ impl<'a> Frame<'a> {
             starts: Vec::new(),
             columns: preview.width as usize * samples,
             samples,
+            strip: if solid.is_some() { CAST_STRIP } else { STRIP },
         };
         frame.project();
         frame.sort();
@@ -117,7 +145,7 @@ impl<'a> Frame<'a> {
     fn strips(&self, facet: Facet, strips: usize) -> Range<usize> {
         let margin = if facet.thin { 2.0 * self.samples as f32 } else { 0.0 };
         let (first, last) = raster::rows(self.places(facet), margin);
-        let height = (STRIP * self.samples) as f32;
+        let height = (self.strip * self.samples) as f32;
         if last < 0.0 || first >= height * strips as f32 {
             return 0..0;
         }
@@ -126,7 +154,7 @@ impl<'a> Frame<'a> {
 
     /// A counting sort of the facets by strip.
     fn sort(&mut self) {
-        let strips = (self.preview.height as usize).div_ceil(STRIP);
+        let strips = (self.preview.height as usize).div_ceil(self.strip);
         let mut starts = vec![0usize; strips + 1];
         for &facet in &self.facets {
             for strip in self.strips(facet, strips) {
@@ -149,42 +177,60 @@ impl<'a> Frame<'a> {
 
     /// Draws everything; `pixels` are the rows of a picture, `alpha` too if it has any. On several threads, with the
     /// feature `parallel`, each of which draws every fourth strip.
-    pub(super) fn draw(&self, pixels: &mut [[u8; 3]], alpha: &mut [u8]) {
-        let size = self.preview.width as usize * STRIP;
-        let groups = parallel::map(GROUPS, |group| self.draw_strips(group));
-        let mut drawn: Vec<_> = groups.into_iter().map(Vec::into_iter).collect();
-        for (index, rows) in pixels.chunks_mut(size).enumerate() {
-            let strip = drawn[index % GROUPS].next().into_iter().flatten();
-            for (i, (pixel, (color, opacity))) in rows.iter_mut().zip(strip).enumerate() {
-                *pixel = color;
-                if let Some(alpha) = alpha.get_mut(index * size + i) {
-                    *alpha = opacity;
+    pub(super) fn draw(
+        &self,
+        pixels: &mut [[u8; 3]],
+        alpha: &mut [u8],
+        observer: &dyn Observer,
+    ) -> Result<(), Cancelled> {
+        let strips = (self.preview.height as usize).div_ceil(self.strip);
+        let mut groups: Vec<_> = (0..GROUPS).map(|_| Group::new(self)).collect();
+        // So many strips of each group at a time; triangles are fast.
+        let turns = if self.solid.is_some() { 1 } else { TURNS };
+        let (width, tones) = (self.preview.width as usize, Tones::new());
+        let mut rows = Rows::new(width);
+        for start in (0..strips).step_by(GROUPS * turns) {
+            let end = (start + GROUPS * turns).min(strips);
+            let drawn = parallel::each_mut(&mut groups, |first, group| {
+                let mine = (start + first..end).step_by(GROUPS);
+                mine.map(|index| self.draw_strip(index, group)).collect::<Vec<_>>()
+            });
+            let mut drawn: Vec<_> = drawn.into_iter().map(Vec::into_iter).collect();
+            for index in start..end {
+                rows.extend(drawn[(index - start) % GROUPS].next().unwrap_or_default());
+            }
+            let (first, finished) = rows.finished(end == strips);
+            for (row, finished) in (first..).zip(finished) {
+                for (column, (color, covered)) in finished.into_iter().enumerate() {
+                    let at = row * width + column;
+                    pixels[at] = tones.of(color / covered.max(1e-6), (column, row));
+                    if let Some(alpha) = alpha.get_mut(at) {
+                        *alpha = (covered.clamp(0.0, 1.0) * 255.0 + 0.5) as u8;
+                    }
                 }
             }
+            if self.solid.is_some_and(Cast::is_full) {
+                break;
+            }
+            report(observer, Work::Picture, end as f32 / strips as f32)?;
         }
+        Ok(())
     }
 
-    /// The pixels of every [`GROUPS`]th strip, and how opaque they are.
-    fn draw_strips(&self, first: usize) -> Vec<Vec<([u8; 3], u8)>> {
+    fn draw_strip(&self, index: usize, group: &mut Group) -> Vec<Texel> {
         let (width, height) = (self.preview.width as usize, self.preview.height as usize);
-        let tones = Tones::new();
-        let mut strip = Strip::new(self.columns, STRIP * self.samples, width * STRIP);
-        let mut shades = Shades::new(self.facets.len(), self.parts);
-        let draw = |index: usize| {
-            let rows = STRIP.min(height - index * STRIP);
-            strip.clear(index * STRIP * self.samples, rows * self.samples);
-            let members = &self.members[self.starts[index]..self.starts[index + 1]];
-            self.fill(members, &mut strip);
-            self.strew(members, &mut strip, &mut shades);
-            let mut pixel = |i: usize| {
-                let place = (i % width, i / width);
-                let (color, covered) = self.pixel(&strip, &mut shades, place, index * STRIP);
-                let color = tones.of(color / covered.max(1e-6), (i % width, index * STRIP + i / width));
-                (color, (covered.clamp(0.0, 1.0) * 255.0 + 0.5) as u8)
-            };
-            (0..width * rows).map(&mut pixel).collect()
+        let Group { strip, shades } = group;
+        let rows = self.strip.min(height - index * self.strip);
+        strip.clear(index * self.strip * self.samples, rows * self.samples);
+        let members = &self.members[self.starts[index]..self.starts[index + 1]];
+        self.fill(members, strip);
+        self.cast(strip);
+        self.strew(members, strip, shades);
+        let pixel = |i: usize| {
+            let place = (i % width, i / width);
+            self.pixel(strip, shades, place, index * self.strip)
         };
-        (first..height.div_ceil(STRIP)).step_by(GROUPS).map(draw).collect()
+        (0..width * rows).map(pixel).collect()
     }
 
     fn fill(&self, members: &[u32], strip: &mut Strip) {
@@ -238,11 +284,12 @@ impl<'a> Frame<'a> {
             if let Some((copy, middle)) = part.copy_of(facet.corners[0]).filter(|_| facet.small) {
                 let seen = &mut copies[facet.part as usize][copy];
                 let seen = *seen.get_or_insert_with(|| self.light.seen(middle));
-                let normal = self.normal(facet, [1.0 / 3.0; 3]);
-                part.color() * self.light.falling(seen, normal, part.two_sided())
+                let normal = self.normal(facet, MIDDLE);
+                part.color(facet.corners, MIDDLE) * self.light.falling(seen, normal, part.two_sided())
             } else {
                 let corners = facet.corners.map(|corner| part.positions[corner as usize]);
-                self.shade(facet, [1.0 / 3.0; 3], corners.iter().sum::<Vec3>() / 3.0)
+                let middle = corners.iter().sum::<Vec3>() / 3.0;
+                self.shade(facet, MIDDLE, middle, Sunbeams::all(FACET_BEAMS, 0, 0))
             }
         })
     }
@@ -256,9 +303,10 @@ impl<'a> Frame<'a> {
     }
 
     /// The colour of a facet at a point with these weights of its corners.
-    fn shade(&self, facet: Facet, weights: [f32; 3], point: Vec3) -> Vec3 {
+    fn shade(&self, facet: Facet, weights: [f32; 3], point: Vec3, beams: Sunbeams) -> Vec3 {
         let part = &self.parts[facet.part as usize];
-        part.color() * self.light.on(point, self.normal(facet, weights), part.two_sided())
+        let light = self.light.on(point, self.normal(facet, weights), part.two_sided(), beams);
+        part.color(facet.corners, weights) * light
     }
 
     fn shade_sample(&self, facet: Facet, x: f32, y: f32, nearness: f32) -> Vec3 {
@@ -267,19 +315,15 @@ impl<'a> Frame<'a> {
         let whole = raster::double_area(places);
         let share = |a: Vec3, b: Vec3| (raster::double_area([a, b, place]) / whole).clamp(0.0, 1.0);
         let (second, third) = (share(places[2], places[0]), share(places[0], places[1]));
-        self.shade(facet, [1.0 - second - third, second, third], self.view.position(x, y, nearness))
+        let beams = Sunbeams::all(FACET_BEAMS, x as usize, y as usize);
+        self.shade(facet, [1.0 - second - third, second, third], self.view.position(x, y, nearness), beams)
     }
 
-    /// A pixel's colour times what of the pixel is covered, and that.
-    fn pixel(
-        &self,
-        strip: &Strip,
-        shades: &mut Shades,
-        (column, row): (usize, usize),
-        top: usize,
-    ) -> (Vec3, f32) {
+    /// A pixel, its sunlight from solids apart.
+    fn pixel(&self, strip: &Strip, shades: &mut Shades, (column, row): (usize, usize), top: usize) -> Texel {
         let n = self.samples;
         let (mut color, mut holes) = (Vec3::ZERO, 0u32);
+        let mut sun = Sun::default();
         let mut last = (NOTHING, Vec3::ZERO);
         for sample in 0..n * n {
             let (x, y) = (column * n + sample % n, row * n + sample / n);
@@ -287,6 +331,11 @@ impl<'a> Frame<'a> {
             let member = strip.facets[at];
             if member == NOTHING {
                 holes += 1;
+                continue;
+            }
+            if member == SOLID {
+                color += strip.seen[at].sky;
+                sun.add(&strip.seen[at]);
                 continue;
             }
             if member != last.0 {
@@ -301,53 +350,78 @@ impl<'a> Frame<'a> {
             }
             color += last.1;
         }
-        let mut covered = (n * n) as f32;
+        let whole = (n * n) as f32;
+        let mut covered = whole;
         if holes > 0 {
-            let (backdrop, opacity) = self.backdrop(column, top + row);
-            color += backdrop * holes as f32;
+            let (ground, opacity) = self.backdrop(column, top + row);
+            color += ground.sky * holes as f32;
+            sun.add(&Glimpse { sun: ground.sun * holes as f32, ..ground });
             covered -= holes as f32 * (1.0 - opacity);
         }
-        let whole = (n * n) as f32;
-        let (color, covered) = (color / whole, covered / whole);
-        let (thin, coverage) = strip.over[row * self.preview.width as usize + column];
+        let (mut color, mut covered) = (color / whole, covered / whole);
+        let mut lit = sun.color / whole;
+        let (thin, coverage) = strip.over[row * strip.width + column];
         if coverage > 0.0 {
             let share = coverage.min(1.0);
-            (color.lerp(thin / coverage, share), covered + (1.0 - covered) * share)
-        } else {
-            (color, covered)
+            color = color.lerp(thin / coverage, share);
+            covered += (1.0 - covered) * share;
+            lit *= 1.0 - share;
         }
+        let Glimpse { point, normal, .. } = sun.first;
+        let pixel = self.view.sample(point) * n as f32;
+        Texel { color, covered, sun: lit, light: sun.light(), point, normal, pixel }
     }
 
     /// What is seen where there is no tree, times how opaque it is, and that.
-    fn backdrop(&self, column: usize, row: usize) -> (Vec3, f32) {
+    fn backdrop(&self, column: usize, row: usize) -> (Glimpse, f32) {
         if !self.preview.transparent {
             return (self.ground_or_sky(column, row), 1.0);
         }
         // A shadow is black that lets the rest of the light through; the eye judges that in sRGB, where pictures are
         // laid over each other.
-        let shadow = self.ground(column, row).map_or(0.0, |(light, fade)| fade * (1.0 - math::srgb(light.y)));
-        (Vec3::ZERO, shadow)
+        let shadow = self
+            .ground(column, row)
+            .map_or(0.0, |(lit, fade, _)| fade * (1.0 - math::srgb(lit.sky.y + lit.sun.y * lit.light.seen)));
+        (Glimpse::default(), shadow)
     }
 
     /// The background, and the shadow on the ground.
-    fn ground_or_sky(&self, column: usize, row: usize) -> Vec3 {
+    fn ground_or_sky(&self, column: usize, row: usize) -> Glimpse {
         let down = (row as f32 + 0.5) / self.preview.height as f32;
         let [top, bottom] = self.preview.background.map(Vec3::from_array);
         let background = top.lerp(bottom, down);
-        let Some((light, fade)) = self.ground(column, row) else { return background };
+        let Some((lit, fade, point)) = self.ground(column, row) else {
+            return Glimpse { sky: background, ..Glimpse::default() };
+        };
         let color = self.preview.ground.map_or(background, Vec3::from_array);
-        background.lerp(color * light, fade)
+        let sky = background.lerp(color * lit.sky, fade);
+        Glimpse { sky, sun: color * lit.sun * fade, light: lit.light, point, normal: Vec3::Y }
     }
 
-    /// What is left of the light on the ground that is seen there, and how clearly it is seen; `None` beyond its edge.
-    fn ground(&self, column: usize, row: usize) -> Option<(Vec3, f32)> {
+    /// What is left of the light on the ground that is seen there, how clearly it is seen, and where it is; `None`
+    /// beyond its edge.
+    fn ground(&self, column: usize, row: usize) -> Option<(Lit, f32, Vec3)> {
         let (middle, radius) = self.ground?;
         let scale = self.samples as f32;
         let (x, y) = ((column as f32 + 0.5) * scale, (row as f32 + 0.5) * scale);
         let point = self.view.ground(x, y, middle.y)?;
         let outward = point.distance(middle) / radius;
         let fade = ((1.0 - outward) * 2.0).min(1.0);
-        (outward < 1.0).then(|| (self.light.on_ground(point), fade * fade * (3.0 - 2.0 * fade)))
+        let beams = Sunbeams::all(GROUND_BEAMS, column, row);
+        (outward < 1.0).then(|| (self.light.on_ground(point, beams), fade * fade * (3.0 - 2.0 * fade), point))
+    }
+}
+
+/// What strips that are drawn one after the other have in common.
+struct Group {
+    strip: Strip,
+    shades: Shades,
+}
+
+impl Group {
+    fn new(frame: &Frame<'_>) -> Self {
+        let strip = Strip::new(frame.columns, frame.strip * frame.samples, frame.samples);
+        Self { strip, shades: Shades::new(frame.facets.len(), frame.parts) }
     }
 }
 
@@ -377,17 +451,25 @@ struct Strip {
     nearest: Vec<f32>,
     /// What is thin, a pixel: colour times coverage, and coverage.
     over: Vec<(Vec3, f32)>,
+    /// Pixels in a row.
+    width: usize,
+    /// What is seen of the solid, where it is nearest; empty without one.
+    seen: Vec<Glimpse>,
 }
 
 impl Strip {
-    fn new(columns: usize, rows: usize, pixels: usize) -> Self {
+    /// Of so many samples, and so many of them a pixel in each direction.
+    fn new(columns: usize, rows: usize, samples: usize) -> Self {
+        let width = columns / samples;
         Self {
             top: 0,
             rows,
             solid: vec![f32::NEG_INFINITY; columns * rows],
             facets: vec![NOTHING; columns * rows],
             nearest: vec![f32::NEG_INFINITY; columns * rows],
-            over: vec![(Vec3::ZERO, 0.0); pixels],
+            over: vec![(Vec3::ZERO, 0.0); width * (rows / samples)],
+            width,
+            seen: Vec::new(),
         }
     }
 
@@ -408,7 +490,7 @@ impl Strip {
     /// Lays an area, in samples, over the four pixels around a place.
     fn lay(&mut self, place: Vec3, area: f32, color: Vec3, samples: usize) {
         let scale = 1.0 / samples as f32;
-        let width = self.over.len() / STRIP;
+        let width = self.width;
         let (x, y) = (place.x * scale - 0.5, (place.y - self.top as f32) * scale - 0.5);
         let pass = |fraction: f32| ((fraction - 0.5) / SOFTNESS + 0.5).clamp(0.0, 1.0);
         let (left, above) = (x.floor(), y.floor());
@@ -425,24 +507,5 @@ impl Strip {
                 }
             }
         }
-    }
-}
-
-/// From linear light to 8 bits of sRGB.
-struct Tones(Vec<f32>);
-
-impl Tones {
-    const STEPS: usize = 8192;
-    /// In which order the pixels of a 4 by 4 block round up (Bayer), so that slow gradients show no bands.
-    const ORDER: [[u8; 4]; 4] = [[0, 8, 2, 10], [12, 4, 14, 6], [3, 11, 1, 9], [15, 7, 13, 5]];
-
-    fn new() -> Self {
-        Self((0..Self::STEPS).map(|i| math::srgb(i as f32 / (Self::STEPS - 1) as f32) * 255.0).collect())
-    }
-
-    fn of(&self, color: Vec3, (column, row): (usize, usize)) -> [u8; 3] {
-        let threshold = (f32::from(Self::ORDER[row % 4][column % 4]) + 0.5) / 16.0;
-        let scaled = color.clamp(Vec3::ZERO, Vec3::ONE) * (Self::STEPS - 1) as f32 + 0.5;
-        scaled.to_array().map(|channel| (self.0[channel as usize] + threshold) as u8)
     }
 }

@@ -1,6 +1,6 @@
 //! Shaded pictures of meshes without a GPU: for READMEs, tests and eyes.
 //!
-//! [`Preview`] draws meshes, [`Camera`] says from where, [`Picture`] holds pixels, writes them as PNG, and has what
+//! [`Preview`] draws meshes, [`RayCaster`] implicit solids, [`Camera`] says from where, [`Picture`] holds pixels, writes them as PNG, and has what
 //! figures and contact sheets need: lines, labels, pictures in pictures.
 //!
 //! The same input gives the same pixels on every platform.
@@ -13,18 +13,23 @@ mod light;
 mod picture;
 mod placed;
 mod raster;
+mod ray;
 mod shadow;
 
 pub use camera::{Camera, Projection};
 pub use picture::Picture;
+pub use ray::RayCaster;
 
 use crate::ParameterError;
+use crate::observer::{Cancelled, Observer, Silent};
 use crate::shape::Bounds;
-use crate::surface::{Material, Mesh, MeshError, Part};
+use crate::surface::{Material, Mesh, MeshError, Part, SurfaceError};
+use camera::View;
 use frame::Frame;
 use glam::Vec3;
 use light::Light;
 use placed::Placed;
+use ray::Cast;
 use std::f32::consts::TAU;
 
 /// Farther out than this, in metres, products of coordinates leave the range of 32-bit floats.
@@ -55,9 +60,39 @@ pub enum PreviewError {
         /// The vertices of all copies of all parts.
         vertices: u64,
     },
+    /// There is no surface of the skeleton.
+    #[error(transparent)]
+    Surface(#[from] SurfaceError),
+    /// The observer broke off.
+    #[error("drawing was cancelled")]
+    Cancelled,
+    /// The solid holds nothing.
+    #[error("there is nothing to draw: the solid is empty")]
+    EmptySolid,
+    /// The rays need more cubes of the solid than were allowed.
+    #[error(
+        "more than {most} cubes would be needed (RayCaster.most_cubes); draw a smaller picture or allow more"
+    )]
+    TooManyCubes {
+        /// The number of cubes allowed.
+        most: usize,
+    },
     /// The writer refused.
     #[error("writing failed: {0}")]
     Io(#[from] std::io::Error),
+}
+
+impl From<Cancelled> for PreviewError {
+    fn from(_: Cancelled) -> Self {
+        Self::Cancelled
+    }
+}
+
+/// What is to be seen, and from where.
+struct Stage<'a> {
+    parts: Vec<Placed<'a>>,
+    bounds: Bounds,
+    view: View,
 }
 
 /// Draws meshes: sun with soft shadows, a sky that the crown darkens, the shadow on the ground, smooth edges, and
@@ -191,6 +226,11 @@ impl Preview {
     /// An option out of range; nothing to draw; arrays that do not fit together, NaN and infinities; a mesh
     /// beyond a million kilometres.
     pub fn draw_parts(&self, parts: &[Part<'_>]) -> Result<Picture, PreviewError> {
+        self.paint(&self.stage(parts, &[])?, None, true, &Silent)
+    }
+
+    /// The parts in their places and the camera in its own, after all checks; `outline` is framed as well.
+    fn stage<'a>(&self, parts: &[Part<'a>], outline: &[Vec3]) -> Result<Stage<'a>, PreviewError> {
         self.check()?;
         parts.iter().try_for_each(Part::check::<PreviewError>)?;
         let vertices = parts.iter().map(Part::vertices).sum();
@@ -198,7 +238,8 @@ impl Preview {
             return Err(PreviewError::TooLarge { vertices });
         }
         let parts: Vec<_> = parts.iter().filter(|part| part.triangles() > 0).map(Placed::new).collect();
-        let points = || parts.iter().flat_map(|part| part.positions.iter().copied());
+        let vertices = || parts.iter().flat_map(|part| part.positions.iter().copied());
+        let points = || vertices().chain(outline.iter().copied());
         let bounds = Bounds::of(points());
         if bounds.is_empty() {
             return Err(PreviewError::EmptyMesh);
@@ -206,15 +247,40 @@ impl Preview {
         if bounds.min.abs().max(bounds.max.abs()).max_element() > FARTHEST {
             return Err(PreviewError::TooFar { bounds });
         }
+        let [width, height] = self.samples();
+        let view = self.camera.view(points(), width, height);
+        Ok(Stage { parts, bounds, view })
+    }
 
+    /// Samples in a row and in a column.
+    fn samples(&self) -> [f32; 2] {
+        [self.width, self.height].map(|pixels| (pixels * self.supersampling) as f32)
+    }
+
+    /// The directions in which the camera asks how far things reach.
+    fn directions(&self) -> [Vec3; 5] {
+        let [width, height] = self.samples();
+        self.camera.directions(width, height)
+    }
+
+    /// A picture of the parts, and of a solid, of which it is said whether it `shades`.
+    fn paint(
+        &self,
+        stage: &Stage<'_>,
+        solid: Option<&dyn Cast>,
+        shades: bool,
+        observer: &dyn Observer,
+    ) -> Result<Picture, PreviewError> {
+        let Stage { parts, bounds, view } = stage;
         let mut picture = Picture::new(self.width, self.height, [0; 3])?;
-        let samples = self.supersampling as f32;
-        let view = self.camera.view(points(), self.width as f32 * samples, self.height as f32 * samples);
-        let mut light = Light::new(self.sun.normalize_or(Vec3::Y), bounds);
-        for part in &parts {
+        let mut light = Light::new(self.sun.normalize_or(Vec3::Y), *bounds);
+        for part in parts {
             for corners in part.triangles() {
                 light.add(corners.map(|corner| part.positions[corner as usize]), part.two_sided());
             }
+        }
+        if let Some(solid) = solid {
+            light.add_solid(solid, *bounds, shades);
         }
         light.finish();
         let ground = self.shows_ground.then(|| {
@@ -222,8 +288,8 @@ impl Preview {
             let size = bounds.size();
             (bounds.center().with_y(height), (0.75 * size.x.max(size.z) + 0.5 * size.y).max(1e-6))
         });
-        let frame = Frame::new(self, &parts, view, light, ground);
-        picture.paint(self.transparent, |pixels, alpha| frame.draw(pixels, alpha));
+        let frame = Frame::new(self, parts, view, light, solid, ground);
+        picture.paint(self.transparent, |pixels, alpha| frame.draw(pixels, alpha, observer))?;
         Ok(picture)
     }
 

@@ -68,11 +68,15 @@ impl Picture {
     }
 
     /// Lets `paint` fill the pixels, and how opaque they are if the picture is to be `transparent`.
-    pub(super) fn paint(&mut self, transparent: bool, paint: impl FnOnce(&mut [[u8; 3]], &mut [u8])) {
+    pub(super) fn paint<T>(
+        &mut self,
+        transparent: bool,
+        paint: impl FnOnce(&mut [[u8; 3]], &mut [u8]) -> T,
+    ) -> T {
         if transparent {
             self.alpha.resize(self.pixels.len(), 0);
         }
-        paint(&mut self.pixels, &mut self.alpha);
+        paint(&mut self.pixels, &mut self.alpha)
     }
 
     /// The pixel in column `x` and row `y`; `None` outside.

@@ -30,8 +30,15 @@ impl<'a> Placed<'a> {
         Self { part: *part, positions, middle }
     }
 
-    pub(super) fn color(&self) -> Vec3 {
-        self.part.material().color().into()
+    /// The colour of a triangle at a point with these weights of its corners.
+    pub(super) fn color(&self, corners: [u32; 3], weights: [f32; 3]) -> Vec3 {
+        let color = Vec3::from_array(self.part.material().color());
+        let mesh = self.part.mesh();
+        if mesh.colors.is_empty() {
+            return color;
+        }
+        let own = corners.map(|corner| Vec3::from_array(mesh.colors[corner as usize % mesh.positions.len()]));
+        color * (own[0] * weights[0] + own[1] * weights[1] + own[2] * weights[2])
     }
 
     pub(super) fn two_sided(&self) -> bool {

@@ -56,6 +56,17 @@ fn a_board_covers_its_pixels() {
 }
 
 #[test]
+fn vertices_have_colours_of_their_own() {
+    let mut mesh = board(1.0);
+    mesh.colors = vec![[1.0, 0.0, 0.0], [0.0, 0.0, 1.0], [0.0, 0.0, 1.0], [1.0, 0.0, 0.0]];
+    let bark = Material::bark().with_color(WHITE);
+    let picture = plain(64, 64).with_camera(level()).with_bark(bark).draw(&mesh).expect("a picture");
+    let row = &picture.pixels()[32 * 64 + 12..32 * 64 + 52];
+    assert!(row.is_sorted_by(|a, b| a[0] >= b[0] && a[2] <= b[2]), "red turns into blue: {row:?}");
+    assert!(row[0][0] > row[39][0] + 60 && row[39][2] > row[0][2] + 60 && row.iter().all(|p| p[1] == 0));
+}
+
+#[test]
 fn a_wire_is_as_dark_as_it_is_wide_and_never_broken() {
     for width in [0.05, 0.2, 0.5, 0.8, 1.5, 4.0] {
         let scale = 92.0 / 2.0;

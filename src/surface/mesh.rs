@@ -10,8 +10,8 @@ use glam::{Vec2, Vec3, Vec4};
 /// The fields are public, so that any engine's buffers can be filled from them and any mesh can be put in.
 /// What this crate makes satisfies [`check`](Self::check); what a user puts in is checked where it is used.
 ///
-/// Memory: 24 bytes a vertex, 16 more with tangents, 8 with texture coordinates, 24 with wind weights; 12 bytes a
-/// triangle.
+/// Memory: 24 bytes a vertex, 16 more with tangents, 8 with texture coordinates, 12 with colours, 24 with wind weights; 12
+/// bytes a triangle.
 ///
 /// ```
 /// use treesynth::{glam::Vec3, surface::Mesh};
@@ -34,6 +34,9 @@ pub struct Mesh {
     pub tangents: Vec<Vec4>,
     /// A texture coordinate a vertex, or none at all. Not confined to [0, 1]: textures repeat.
     pub uvs: Vec<Vec2>,
+    /// By what the material's colour is multiplied at each vertex, or nothing at all: linear red, green and blue, each 0
+    /// to 1. glTF has them as `COLOR_0`, PLY multiplied, and `preview` draws them; the other formats leave them out.
+    pub colors: Vec<[f32; 3]>,
     /// What the wind does to each vertex, or nothing at all.
     pub wind: Vec<Wind>,
     /// Three vertices a triangle, counter-clockwise seen from outside.
@@ -131,6 +134,14 @@ pub enum MeshError {
         /// Its weights.
         wind: Wind,
     },
+    /// A colour with a channel that is not in 0 to 1.
+    #[error("vertex {vertex} has the colour {color:?}, but channels must be 0 to 1")]
+    Color {
+        /// The vertex.
+        vertex: usize,
+        /// Its colour.
+        color: [f32; 3],
+    },
     /// A texture coordinate that is NaN or infinite.
     #[error("vertex {vertex} has the texture coordinate {uv}, but these must be finite")]
     Uv {
@@ -221,9 +232,12 @@ impl Mesh {
         if self.normals.len() != vertices {
             return Err(MeshError::Length { array: "normals", length: self.normals.len(), vertices });
         }
-        for (array, length) in
-            [("tangents", self.tangents.len()), ("uvs", self.uvs.len()), ("wind", self.wind.len())]
-        {
+        for (array, length) in [
+            ("tangents", self.tangents.len()),
+            ("uvs", self.uvs.len()),
+            ("colors", self.colors.len()),
+            ("wind", self.wind.len()),
+        ] {
             if length != 0 && length != vertices {
                 return Err(MeshError::Length { array, length, vertices });
             }
@@ -249,6 +263,10 @@ impl Mesh {
         let finite = |wind: &Wind| wind.pivot.extend(wind.level + wind.phase + wind.stiffness).is_finite();
         if let Some(vertex) = self.wind.iter().position(|wind| !finite(wind)) {
             return Err(MeshError::Wind { vertex, wind: self.wind[vertex] });
+        }
+        let sound = |color: &[f32; 3]| color.iter().all(|channel| (0.0..=1.0).contains(channel));
+        if let Some(vertex) = self.colors.iter().position(|color| !sound(color)) {
+            return Err(MeshError::Color { vertex, color: self.colors[vertex] });
         }
         if let Some(vertex) = self.uvs.iter().position(|uv| !uv.is_finite()) {
             return Err(MeshError::Uv { vertex, uv: self.uvs[vertex] });
@@ -281,11 +299,16 @@ mod tests {
     #[test]
     fn each_fault_is_named() {
         type Fault = (fn(&mut Mesh), fn(&MeshError) -> bool);
-        let faults: [Fault; 8] = [
+        let faults: [Fault; 10] = [
             (|m| m.normals.truncate(2), |e| matches!(e, MeshError::Length { array: "normals", .. })),
             (|m| m.uvs.push(Vec2::ZERO), |e| matches!(e, MeshError::Length { array: "uvs", .. })),
             (|m| m.indices.push(0), |e| matches!(e, MeshError::Indices { indices: 4 })),
             (|m| m.indices[2] = 3, |e| matches!(e, MeshError::Index { index: 3, .. })),
+            (|m| m.colors.push([1.0; 3]), |e| matches!(e, MeshError::Length { array: "colors", .. })),
+            (
+                |m| m.colors = vec![[0.0; 3], [0.0, 1.1, 0.0], [0.0; 3]],
+                |e| matches!(e, MeshError::Color { vertex: 1, .. }),
+            ),
             (|m| m.positions[1].x = f32::NAN, |e| matches!(e, MeshError::Position { vertex: 1, .. })),
             (|m| m.normals[2] *= 2.0, |e| matches!(e, MeshError::Normal { vertex: 2, .. })),
             (|m| m.uvs = vec![Vec2::INFINITY; 3], |e| matches!(e, MeshError::Uv { vertex: 0, .. })),

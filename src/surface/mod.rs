@@ -5,6 +5,7 @@
 //! | [`Tubes`] | a smooth tube along each branch, with a collar where it leaves what bears it: fast, exact radii |
 //! | [`Levels`] | the same in several levels of detail, each of at most half the triangles of the one before |
 //! | [`Implicit`] | one closed, watertight mesh of the whole tree, its branches blended into each other |
+//! | [`blob`] | any solid of primitives and operators, a `BlobTree`; [`Skin`](blob::Skin): a tree's, with scars and ridges that age |
 //! | [`Capsules`] | branches as [`Capsule`]s, for collisions |
 //!
 //! [`Skeleton::relaxed`](crate::Skeleton::relaxed) takes the kinks out of a skeleton first. Meshes are plain arrays, [`Mesh`], with
@@ -12,6 +13,7 @@
 //! ([`Instance`]): what is written and drawn.
 
 mod axis;
+pub mod blob;
 mod capsule;
 mod circle;
 mod collar;
@@ -26,6 +28,7 @@ mod weave;
 
 pub use capsule::{Capsule, Capsules};
 pub use implicit::Implicit;
+pub(crate) use implicit::solid;
 pub use level::{Level, Levels};
 pub use material::Material;
 pub use mesh::{Mesh, MeshError, Wind};

@@ -5,6 +5,7 @@
 mod allocations;
 #[cfg(feature = "json")]
 mod bad_input;
+mod blob;
 mod exports;
 mod figures;
 mod foliage;

@@ -10,7 +10,9 @@ fn tree() -> Mesh {
     let points: Vec<_> = (0..10).map(|i| Vec3::new(math::sin(i as f32) / 3.0, i as f32 / 7.0, 0.1)).collect();
     let parents = (0..10u32).map(|i| i.checked_sub(1)).collect();
     let skeleton = Skeleton::new(points, parents).and_then(|s| s.with_radii(vec![0.03; 10])).expect("sound");
-    Tubes::default().with_wind(true).mesh(&skeleton).expect("has a surface")
+    let mut mesh = Tubes::default().with_wind(true).mesh(&skeleton).expect("has a surface");
+    mesh.colors = (0..mesh.positions.len()).map(|i| [1.0, i as f32 / 1e4, 0.5]).collect();
+    mesh
 }
 
 fn word(bytes: &[u8], at: usize) -> u32 {
@@ -72,6 +74,7 @@ fn everything_comes_back() {
     same("NORMAL", "VEC3", mesh.normals.iter().flat_map(Vec3::to_array).collect());
     same("TANGENT", "VEC4", mesh.tangents.iter().flat_map(Vec4::to_array).collect());
     same("TEXCOORD_0", "VEC2", mesh.uvs.iter().flat_map(Vec2::to_array).collect());
+    same("COLOR_0", "VEC3", mesh.colors.iter().flatten().copied().collect());
     same("_WIND_PIVOT", "VEC3", mesh.wind.iter().flat_map(|wind| wind.pivot.to_array()).collect());
     let weights = mesh.wind.iter().flat_map(|wind| [wind.level, wind.phase, wind.stiffness]);
     same("_WIND", "VEC3", weights.collect());

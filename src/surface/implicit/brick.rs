@@ -1,14 +1,17 @@
-//! An octree whose leaves hold four voxels in each direction: the sparse blocks along the branches.
+//! An octree whose leaves hold four voxels in each direction: the sparse blocks along the surface.
 
-use super::field::Field;
+use super::solid::{Coverage, Part, Solid};
 use crate::Bounds;
 use crate::parallel;
 use crate::surface::SurfaceError;
 use glam::{IVec3, Vec3};
 
-/// A ball around a block that holds it and the middles of all voxels that share a face with it, in voxels, as long as these
-/// are at most twice as large. A block's ball lies within that of a block of twice the size around it.
-const BALL: f32 = 3.5;
+/// By so many voxels a block's cube is larger on each side: it holds the middles of all voxels that share a face with it and
+/// are not larger, rounding included. It lies within that of a block of twice the size.
+const MARGIN: f32 = 0.53;
+
+/// The directions of a voxel's faces.
+pub(super) const STEPS: [IVec3; 6] = [IVec3::X, IVec3::Y, IVec3::Z, IVec3::NEG_X, IVec3::NEG_Y, IVec3::NEG_Z];
 
 /// Four voxels in each direction, near the surface.
 #[derive(Debug, Clone)]
@@ -19,8 +22,6 @@ pub(super) struct Brick {
     pub(super) level: u8,
     /// Bit `x + 4y + 16z` says that the middle of that voxel is inside.
     pub(super) inside: u64,
-    /// Where in [`Bricks::near`] its primitives are.
-    near: [u32; 2],
     node: u32,
 }
 
@@ -47,168 +48,211 @@ enum Node {
 
 /// All blocks.
 #[derive(Debug)]
-pub(super) struct Bricks {
+pub(super) struct Bricks<P> {
     nodes: Vec<Node>,
     pub(super) leaves: Vec<Brick>,
-    near: Vec<u32>,
+    /// What counts in each block or within half a voxel of it.
+    pub(super) parts: Vec<P>,
     origin: Vec3,
     voxel: f32,
     /// The level at which one block would hold everything.
     top: u8,
 }
 
-/// A part of the octree still to be looked at.
+/// A cube of the octree still to be looked at.
 struct Cube {
     node: u32,
     corner: IVec3,
     level: u8,
-    /// Which list has all primitives that may be felt here.
-    list: usize,
+    /// Which part has all that counts here.
+    of: usize,
 }
 
 /// What one look at a cube says.
-enum Look {
+enum Look<P> {
     Empty(bool),
-    /// The primitives felt; some of them need smaller voxels.
-    Split(Vec<u32>),
-    Brick(Vec<u32>),
+    /// Smaller voxels are needed.
+    Split(P),
+    Brick(P),
 }
 
-impl Bricks {
-    /// The blocks that the surface passes, at most `most`. A voxel's side is `voxel` metres times 2 to the power of the
-    /// least of `levels` of all primitives felt in its block, or half of that next to smaller ones: blocks that touch
-    /// differ by one level at most, or one of them is empty.
-    pub(super) fn new(field: &Field, levels: &[u8], voxel: f32, most: usize) -> Result<Self, SurfaceError> {
-        // The largest voxels' middles at the octree's border are outside.
-        let margin = voxel * (1u32 << levels.iter().copied().max().unwrap_or_default()) as f32;
-        let bounds = field.segments.iter().fold(Bounds::EMPTY, |bounds, segment| {
-            let reach = Vec3::splat(field.reach(segment) + margin);
-            segment.ends().into_iter().fold(bounds, |bounds, end| bounds.union(Bounds::around(end, reach)))
-        });
-        let side = bounds.size().max_element();
-        let top = (0..28).find(|&top| voxel * (4u32 << top) as f32 >= side).unwrap_or(28);
-        let (nodes, origin) = (vec![Node::Empty(false)], bounds.min);
-        let mut all = Self { nodes, leaves: Vec::new(), near: Vec::new(), origin, voxel, top };
-        let root = Cube { node: 0, corner: IVec3::ZERO, level: top, list: 0 };
-        let mut fresh =
-            all.grow(field, levels, most, vec![root], vec![(0..levels.len() as u32).collect()])?;
-        while !fresh.is_empty() {
-            let large = parallel::map(fresh.len(), |i| {
-                let (corner, level) = fresh[i];
-                let found = all.around(corner, level).into_iter().filter_map(|place| match place {
-                    Place::Larger(brick) => Some(brick),
-                    _ => None,
-                });
-                found.collect::<Vec<_>>()
-            });
-            // Once split, they may still be too large.
-            let mut found = large.iter();
-            fresh.retain(|_| found.next().is_some_and(|large| !large.is_empty()));
-            let mut large = large.concat();
-            large.sort_unstable();
-            large.dedup();
-            let (mut cubes, mut lists) = (Vec::new(), Vec::new());
+impl<P: Part> Bricks<P> {
+    /// The blocks that the surface may pass, at most `most`. A voxel's side is `voxel` metres times the greatest power of
+    /// two that does not exceed the [detail](Part::detail) in its block, or half of that next to smaller ones: blocks that
+    /// touch differ by one level at most, or one of them is empty.
+    pub(super) fn new(solid: &impl Solid<Part = P>, voxel: f32, most: usize) -> Result<Self, SurfaceError> {
+        // The voxels at the octree's border, at most a quarter of its side long, have their middles outside.
+        let bounds = solid.bounds();
+        let least = bounds.size().max_element() * (4.0 / 3.0);
+        let top = (0..28).find(|&top| voxel * (4u32 << top) as f32 >= least).unwrap_or(28);
+        let origin = bounds.center() - Vec3::splat(voxel * (2u32 << top) as f32);
+        let mut all = Self {
+            nodes: vec![Node::Empty(false)],
+            leaves: Vec::new(),
+            parts: Vec::new(),
+            origin,
+            voxel,
+            top,
+        };
+        if bounds.is_empty() {
+            return Ok(all);
+        }
+        let root = Cube { node: 0, corner: IVec3::ZERO, level: top, of: 0 };
+        let mut parts = Vec::new();
+        let mut fresh = all.grow(solid, most, vec![root], &[], &mut parts)?;
+        let mut sampled = 0;
+        loop {
+            let large = if fresh.is_empty() {
+                all.sample_from(sampled, &parts);
+                sampled = parts.len();
+                let clashing = all.clashing(&parts);
+                if clashing.is_empty() {
+                    break;
+                }
+                clashing
+            } else {
+                all.larger_than(&mut fresh)
+            };
+            let (mut cubes, mut of) = (Vec::new(), Vec::new());
             for number in large {
-                let brick = all.leaves[number as usize].clone();
-                lists.push(all.near(&brick).to_vec());
-                all.split(brick.node, brick.corner, brick.level, lists.len() - 1, &mut cubes);
-                fresh.push((brick.corner, brick.level));
+                let Brick { node, corner, level, .. } = all.leaves[number as usize];
+                all.split(node, corner, level, of.len(), &mut cubes);
+                of.extend(parts[number as usize].take());
+                fresh.push((corner, level));
             }
-            fresh.extend(all.grow(field, levels, most, cubes, lists)?);
+            fresh.extend(all.grow(solid, most, cubes, &of, &mut parts)?);
         }
-        // Those that were split are none any more.
-        let nodes = &mut all.nodes;
-        all.leaves.retain(|brick| matches!(nodes[brick.node as usize], Node::Brick(_)));
+        // Those that were split have no part any more.
+        let mut kept = parts.iter();
+        all.leaves.retain(|_| kept.next().is_some_and(Option::is_some));
+        all.parts = parts.into_iter().flatten().collect();
         for (brick, number) in all.leaves.iter().zip(0..) {
-            nodes[brick.node as usize] = Node::Brick(number);
-        }
-        let inside = parallel::map(all.leaves.len(), |number| {
-            let brick = &all.leaves[number];
-            let values = all.sample(field, brick);
-            (0..64).filter(|&i| values[i] > 0.0).fold(0, |bits, i| bits | 1 << i)
-        });
-        for (brick, inside) in all.leaves.iter_mut().zip(inside) {
-            brick.inside = inside;
+            all.nodes[brick.node as usize] = Node::Brick(number);
         }
         Ok(all)
+    }
+
+    /// Which blocks are too large beside cubes that were split; of these, keeps those that have such.
+    fn larger_than(&self, split: &mut Vec<(IVec3, u8)>) -> Vec<u32> {
+        let large = parallel::map(split.len(), |i| {
+            let (corner, level) = split[i];
+            let found = self.around(corner, level).into_iter().filter_map(|place| match place {
+                Place::Larger(brick) => Some(brick),
+                _ => None,
+            });
+            found.collect::<Vec<_>>()
+        });
+        // Once split, they may still be too large.
+        let mut found = large.iter();
+        split.retain(|_| found.next().is_some_and(|large| !large.is_empty()));
+        let mut large = large.concat();
+        large.sort_unstable();
+        large.dedup();
+        large
+    }
+
+    /// Which blocks have a voxel inside beside a smaller place without blocks that is outside, or the other way round: the
+    /// surface passes between the voxel's middle and that place.
+    fn clashing(&self, parts: &[Option<P>]) -> Vec<u32> {
+        let clashes = parallel::map(self.leaves.len(), |number| {
+            let brick = &self.leaves[number];
+            let size = 4 << i32::from(brick.level);
+            parts[number].is_some()
+                && brick.level > 0
+                && STEPS.into_iter().any(|step| {
+                    self.find(brick.corner + step * size, brick.level) == Place::Smaller
+                        && (0..64).any(|cell| self.clashes(brick, cell, step))
+                })
+        });
+        (0..).zip(clashes).filter_map(|(number, clashes)| clashes.then_some(number)).collect()
+    }
+
+    /// Whether a voxel of a block touches, in that direction, a smaller place that is empty, but not as itself.
+    fn clashes(&self, brick: &Brick, cell: u32, step: IVec3) -> bool {
+        let beyond = voxel(cell) + step;
+        // Half a voxel is a quarter of the smaller place.
+        let corner = brick.corner + (beyond << i32::from(brick.level));
+        beyond.to_array().iter().any(|&x| !(0..4).contains(&x))
+            && self.find(corner, 0) == Place::Empty(brick.inside >> cell & 1 == 0)
+    }
+
+    /// Finds out which voxels of the later blocks are inside.
+    fn sample_from(&mut self, first: usize, parts: &[Option<P>]) {
+        let inside = parallel::map(self.leaves.len() - first, |i| {
+            let (brick, part) = (&self.leaves[first + i], &parts[first + i]);
+            let values = part.as_ref().map_or([0.0; 64], |part| self.values(brick, part));
+            (0..64).filter(|&i| values[i] > 0.0).fold(0, |bits, i| bits | 1 << i)
+        });
+        for (brick, inside) in self.leaves[first..].iter_mut().zip(inside) {
+            brick.inside = inside;
+        }
     }
 
     /// Splits cubes until they are empty or fine enough; returns those that were split.
     fn grow(
         &mut self,
-        field: &Field,
-        levels: &[u8],
+        solid: &impl Solid<Part = P>,
         most: usize,
         mut cubes: Vec<Cube>,
-        mut lists: Vec<Vec<u32>>,
+        of: &[P],
+        parts: &mut Vec<Option<P>>,
     ) -> Result<Vec<(IVec3, u8)>, SurfaceError> {
         let mut inner = Vec::new();
+        let mut held: Vec<P>;
+        let mut of = of;
         while !cubes.is_empty() {
-            let looks =
-                parallel::map(cubes.len(), |i| self.look(field, levels, &cubes[i], &lists[cubes[i].list]));
-            let (mut parts, mut near) = (Vec::new(), Vec::new());
+            let looks = parallel::map(cubes.len(), |i| self.look(solid, &cubes[i], of.get(cubes[i].of)));
+            let (mut next, mut split) = (Vec::new(), Vec::new());
             for (Cube { node, corner, level, .. }, look) in cubes.into_iter().zip(looks) {
                 match look {
                     Look::Empty(inside) => self.nodes[node as usize] = Node::Empty(inside),
-                    Look::Brick(list) => {
-                        let start = self.near.len() as u32;
-                        self.near.extend(list);
-                        let near = [start, self.near.len() as u32];
+                    Look::Brick(part) => {
                         self.nodes[node as usize] = Node::Brick(self.leaves.len() as u32);
-                        self.leaves.push(Brick { corner, level, inside: 0, near, node });
+                        self.leaves.push(Brick { corner, level, inside: 0, node });
+                        parts.push(Some(part));
                     }
-                    Look::Split(list) => {
-                        near.push(list);
-                        self.split(node, corner, level, near.len() - 1, &mut parts);
+                    Look::Split(part) => {
+                        self.split(node, corner, level, split.len(), &mut next);
+                        split.push(part);
                         inner.push((corner, level));
                     }
                 }
             }
             // What is split holds a block or more.
-            if self.leaves.len() + near.len() > most || self.near.len() > u32::MAX as usize / 2 {
+            if self.leaves.len() + split.len() > most {
                 return Err(SurfaceError::TooManyBlocks { voxel: self.voxel, most });
             }
-            (cubes, lists) = (parts, near);
+            (cubes, held) = (next, split);
+            of = &held;
         }
         Ok(inner)
     }
 
-    fn split(&mut self, node: u32, corner: IVec3, level: u8, list: usize, parts: &mut Vec<Cube>) {
+    fn split(&mut self, node: u32, corner: IVec3, level: u8, of: usize, cubes: &mut Vec<Cube>) {
         let first = self.nodes.len() as u32;
         self.nodes[node as usize] = Node::Inner(first);
         for i in 0..8 {
             let corner = corner + (IVec3::new(i & 1, i >> 1 & 1, i >> 2) << i32::from(level + 1));
-            parts.push(Cube { node: first + i as u32, corner, level: level - 1, list });
+            cubes.push(Cube { node: first + i as u32, corner, level: level - 1, of });
             self.nodes.push(Node::Empty(false));
         }
     }
 
-    fn look(&self, field: &Field, levels: &[u8], cube: &Cube, list: &[u32]) -> Look {
+    fn look(&self, solid: &impl Solid<Part = P>, cube: &Cube, of: Option<&P>) -> Look<P> {
         let step = self.step(cube.level);
-        let middle = self.place(cube.corner) + 2.0 * step;
-        let (mut split, mut felt) = (false, Vec::new());
-        let (mut sum, mut branch) = (0.0, (u32::MAX, 0.0f32));
-        for &number in list {
-            let segment = &field.segments[number as usize];
-            let (least, most) = field.range(segment, middle, BALL * step);
-            if least > 1.0 {
-                return Look::Empty(true);
-            }
-            if most > 0.0 {
-                felt.push(number);
-                if branch.0 != segment.branch {
-                    sum += branch.1 * branch.1;
-                    branch = (segment.branch, 0.0);
-                }
-                branch.1 = branch.1.max(most);
-                split |= levels[number as usize] < cube.level;
-            }
+        let corner = self.place(cube.corner);
+        let bounds = Bounds::new(corner, corner + 4.0 * step).grown(MARGIN * step);
+        let part = match solid.part(of, bounds) {
+            Coverage::Outside => return Look::Empty(false),
+            Coverage::Inside => return Look::Empty(true),
+            Coverage::Crossed(part) => part,
+        };
+        // Nowhere in the cube is the value farther from that in its middle.
+        let value = part.value(bounds.center());
+        if value.abs() > part.lipschitz() * bounds.size().length() * 0.5 {
+            return Look::Empty(value > 0.0);
         }
-        match () {
-            () if sum + branch.1 * branch.1 < 1.0 => Look::Empty(false),
-            () if split => Look::Split(felt),
-            () => Look::Brick(felt),
-        }
+        if cube.level > 0 && step > part.detail() { Look::Split(part) } else { Look::Brick(part) }
     }
 
     /// What is in each of the 3 · 3 · 3 places around a cube, itself in the middle.
@@ -230,18 +274,16 @@ impl Bricks {
 
     /// The middle of a block's voxel, metres.
     pub(super) fn middle(&self, brick: &Brick, cell: u32) -> Vec3 {
-        let cell = IVec3::new(cell as i32 & 3, cell as i32 >> 2 & 3, cell as i32 >> 4);
-        self.place(brick.corner) + (cell.as_vec3() + 0.5) * self.step(brick.level)
+        self.place(brick.corner) + (voxel(cell).as_vec3() + 0.5) * self.step(brick.level)
     }
 
-    /// The primitives felt in a block or within one voxel of it.
-    pub(super) fn near(&self, brick: &Brick) -> &[u32] {
-        &self.near[brick.near[0] as usize..brick.near[1] as usize]
+    /// The value in the middle of each voxel of a block.
+    pub(super) fn sample(&self, number: usize) -> [f32; 64] {
+        self.values(&self.leaves[number], &self.parts[number])
     }
 
-    /// The field less 1 in the middle of each voxel of a block.
-    pub(super) fn sample(&self, field: &Field, brick: &Brick) -> [f32; 64] {
-        field.sample(self.near(brick), self.middle(brick, 0), self.step(brick.level))
+    fn values(&self, brick: &Brick, part: &P) -> [f32; 64] {
+        part.sample(self.middle(brick, 0), self.step(brick.level))
     }
 
     /// What is at a corner that blocks of that level can have.
@@ -265,4 +307,9 @@ impl Bricks {
             }
         }
     }
+}
+
+/// Where in its block a voxel is.
+pub(super) fn voxel(cell: u32) -> IVec3 {
+    (IVec3::splat(cell as i32) >> IVec3::new(0, 2, 4)) & 3
 }

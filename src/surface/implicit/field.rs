@@ -2,16 +2,21 @@
 
 #![allow(clippy::inline_always, reason = "a call in a loop over 64 voxels keeps it from being vectorized")]
 
-use crate::Skeleton;
+use super::solid::{Coverage, Part, Solid};
 use crate::surface::SurfaceError;
+use crate::{Bounds, Skeleton, surface::Material};
 use glam::Vec3;
+use smallvec::SmallVec;
 
 /// Farther out or thicker than this, in metres, products of coordinates leave the range of 32-bit floats.
 const FARTHEST: f32 = 1e9;
 
+/// What sums of values may be off by.
+const SLACK: f32 = 1e-5;
+
 /// A straight part of a branch, from one node to the next: a cone with a ball at each end.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Segment {
+pub(crate) struct Segment {
     from: Vec3,
     way: Vec3,
     /// One over the square of the length, or 0 where there is none.
@@ -48,18 +53,38 @@ impl Segment {
 /// The field of a whole tree: each primitive's value is 1 on its surface, more inside, and falls to 0 where the
 /// distance from its axis exceeds its radius by the blend width, which is a share of that radius.
 #[derive(Debug, Clone)]
-pub(super) struct Field {
+pub(crate) struct Field {
     /// Those of a branch one after another.
     pub(super) segments: Vec<Segment>,
     /// The blend width as a share of the radius.
     blend: f32,
+    /// The least number of voxels a radius.
+    detail: f32,
+    /// What 32-bit floats leave open of a point's place, metres.
+    slack: f32,
+}
+
+/// The primitives of a field that are felt in a cube.
+#[derive(Debug, Clone)]
+pub(crate) struct Felt<'a> {
+    field: &'a Field,
+    /// In rising order.
+    near: SmallVec<[u32; 4]>,
+    detail: f32,
+    lipschitz: f32,
 }
 
 impl Field {
     /// The primitives of a skeleton's internodes, all at least `least` metres thick.
     ///
     /// Radii are interpolated along a branch; its first internode has its own radius all along, not its bearer's.
-    pub(super) fn new(skeleton: &Skeleton, least: f32, blend: f32) -> Self {
+    pub(super) fn new(
+        skeleton: &Skeleton,
+        least: f32,
+        blend: f32,
+        detail: f32,
+    ) -> Result<Self, SurfaceError> {
+        let slack = extent(skeleton, blend)? * 4.0 * f32::EPSILON;
         let radius = |node: u32| skeleton.radii()[node as usize].max(least);
         let position = |node: u32| skeleton.positions()[node as usize];
         let mut segments = Vec::with_capacity(skeleton.len());
@@ -86,12 +111,7 @@ impl Field {
                 add(pair[0], pair[1], radius(start), number);
             }
         }
-        Self { segments, blend }
-    }
-
-    /// How far from its axis a primitive is felt, metres.
-    pub(super) fn reach(&self, segment: &Segment) -> f32 {
-        segment.thickest() * (1.0 + self.blend)
+        Ok(Self { segments, blend, detail, slack })
     }
 
     /// A primitive's value from the distance in radii.
@@ -100,36 +120,128 @@ impl Field {
         1.0 + (1.0 - radii) / self.blend
     }
 
-    /// The least and the greatest value that a primitive may have within `reach` metres of a point.
-    pub(super) fn range(&self, segment: &Segment, point: Vec3, reach: f32) -> (f32, f32) {
-        let (t, away) = segment.nearest(point - segment.from);
+    /// The least and the greatest value that a primitive may have in a box of that middle and half size.
+    fn range(&self, segment: &Segment, middle: Vec3, half: Vec3) -> (f32, f32) {
+        let (t, away) = segment.nearest(middle - segment.from);
         let (radius, distance) = (segment.radius + t * segment.growth, away.length());
+        // The axis lies behind the plane through its nearest point, across the way to the middle.
+        let least = distance - half.dot(away.abs()) / distance.max(f32::MIN_POSITIVE);
+        let most = (away.abs() + half).length();
         // The nearest point of the axis moves by no more than the point.
-        let change = segment.growth.abs() * segment.inverse.sqrt() * reach;
+        let change = segment.growth.abs() * segment.inverse.sqrt() * half.length();
         let thick = (radius + change).min(segment.thickest());
         let thin = (radius - change).max(segment.thinnest());
-        (self.value_at((distance + reach) / thin), self.value_at((distance - reach).max(0.0) / thick))
+        (self.value_at(most / thin), self.value_at(least.max(0.0) / thick))
     }
 
-    /// The field less 1 at 4 · 4 · 4 points, of the segments named: entry `x + 4y + 16z` is that of the point so many
-    /// steps of `step` metres along x, y and z from `start`.
-    pub(super) fn sample(&self, near: &[u32], start: Vec3, step: f32) -> [f32; 64] {
-        let (mut sum, mut best, mut any) = ([0.0f32; 64], [f32::NEG_INFINITY; 64], [f32::NEG_INFINITY; 64]);
+    /// What counts in a cube, of the primitives named.
+    fn felt(&self, among: impl Iterator<Item = u32>, cube: Bounds) -> Coverage<Felt<'_>> {
+        let (middle, half) = (cube.center(), cube.size() * 0.5 + Vec3::splat(self.slack));
+        let mut near = SmallVec::new();
+        let (mut thinnest, mut steepest) = (f32::INFINITY, 0.0f32);
+        // Squares of each branch's greatest value, and how many branches there are.
+        let (mut sum, mut branches) = (0.0, 0);
+        let mut branch = (u32::MAX, 0.0f32);
+        for number in among {
+            let segment = &self.segments[number as usize];
+            let (least, most) = self.range(segment, middle, half);
+            if least > 1.0 + SLACK {
+                return Coverage::Inside;
+            }
+            if most > 0.0 {
+                near.push(number);
+                if branch.0 != segment.branch {
+                    sum += branch.1 * branch.1;
+                    branches += 1;
+                    branch = (segment.branch, 0.0);
+                }
+                branch.1 = branch.1.max(most);
+                thinnest = thinnest.min(segment.thinnest());
+                // Nowhere is it steeper than where it ends.
+                let growth = segment.growth * segment.inverse.sqrt() * (1.0 + self.blend);
+                steepest = steepest.max((1.0 + growth * growth).sqrt() / segment.thinnest());
+            }
+        }
+        if sum + branch.1 * branch.1 < 1.0 - SLACK {
+            return Coverage::Outside;
+        }
+        let lipschitz = steepest * (branches as f32).sqrt() / self.blend;
+        Coverage::Crossed(Felt { field: self, near, detail: thinnest / self.detail, lipschitz })
+    }
+}
+
+impl<'a> Solid for &'a Field {
+    type Part = Felt<'a>;
+
+    fn bounds(&self) -> Bounds {
+        self.segments.iter().fold(Bounds::EMPTY, |bounds, segment| {
+            let reach = Vec3::splat(segment.thickest() * (1.0 + self.blend) + self.slack);
+            segment.ends().into_iter().fold(bounds, |bounds, end| bounds.union(Bounds::around(end, reach)))
+        })
+    }
+
+    fn part(&self, of: Option<&Felt<'a>>, cube: Bounds) -> Coverage<Felt<'a>> {
+        match of {
+            Some(part) => self.felt(part.near.iter().copied(), cube),
+            None => self.felt(0..self.segments.len() as u32, cube),
+        }
+    }
+}
+
+impl Part for Felt<'_> {
+    fn value(&self, point: Vec3) -> f32 {
+        let (mut sum, mut best, mut branch) = (0.0, 0.0f32, u32::MAX);
+        for &number in &self.near {
+            let segment = &self.field.segments[number as usize];
+            if branch != segment.branch {
+                sum += best * best;
+                (best, branch) = (0.0, segment.branch);
+            }
+            let (t, away) = segment.nearest(point - segment.from);
+            best = best.max(self.field.value_at(away.length() / (segment.radius + t * segment.growth)));
+        }
+        level(sum + best * best)
+    }
+
+    fn gradient(&self, point: Vec3) -> (f32, Vec3) {
+        // Of the whole field, and of the branch at hand.
+        let (mut sum, mut slope) = (0.0, Vec3::ZERO);
+        let (mut best, mut branch) = ((0.0, Vec3::ZERO), u32::MAX);
+        for &number in &self.near {
+            let segment = &self.field.segments[number as usize];
+            if branch != segment.branch {
+                sum += best.0 * best.0;
+                slope += best.1 * best.0;
+                (best.0, branch) = (0.0, segment.branch);
+            }
+            let (t, away) = segment.nearest(point - segment.from);
+            let radius = segment.radius + t * segment.growth;
+            let distance = away.length();
+            let value = self.field.value_at(distance / radius);
+            if value > best.0 {
+                let between = t > 0.0 && t < 1.0;
+                let growth = if between { segment.growth * segment.inverse } else { 0.0 };
+                let radial = away / distance.max(f32::MIN_POSITIVE);
+                let ahead = segment.way * (growth * distance / radius);
+                best = (value, (ahead - radial) / (radius * self.field.blend));
+            }
+        }
+        sum += best.0 * best.0;
+        slope += best.1 * best.0;
+        (level(sum), if sum > 0.0 { slope / sum.sqrt() } else { Vec3::ZERO })
+    }
+
+    fn sample(&self, start: Vec3, step: f32) -> [f32; 64] {
+        let (mut sum, mut best) = ([0.0f32; 64], [0.0f32; 64]);
         let mut branch = u32::MAX;
-        let mut blend = |best: &mut [f32; 64]| {
-            for i in 0..64 {
-                let value = best[i].max(0.0);
-                sum[i] += value * value;
-                any[i] = any[i].max(best[i]);
+        for &number in &self.near {
+            let segment = self.field.segments[number as usize];
+            if branch != segment.branch {
+                for i in 0..64 {
+                    sum[i] += best[i] * best[i];
+                }
+                (best, branch) = ([0.0; 64], segment.branch);
             }
-            *best = [f32::NEG_INFINITY; 64];
-        };
-        for &number in near {
-            let segment = self.segments[number as usize];
-            if branch != segment.branch && branch != u32::MAX {
-                blend(&mut best);
-            }
-            branch = segment.branch;
             for z in 0..4 {
                 for y in 0..4 {
                     let row = start + Vec3::new(0.0, y as f32, z as f32) * step;
@@ -138,58 +250,32 @@ impl Field {
                         let (t, away) = segment.nearest(point - segment.from);
                         let radii = away.length() / (segment.radius + t * segment.growth);
                         let cell = &mut best[16 * z + 4 * y + x];
-                        *cell = cell.max(self.value_at(radii));
+                        *cell = cell.max(self.field.value_at(radii));
                     }
                 }
             }
         }
-        blend(&mut best);
-        std::array::from_fn(|i| level(sum[i], any[i]))
+        std::array::from_fn(|i| level(sum[i] + best[i] * best[i]))
     }
 
-    /// The field's value less 1 at a point, and its gradient a metre; of the segments named.
-    pub(super) fn gradient(&self, near: &[u32], point: Vec3) -> (f32, Vec3) {
-        // Of the whole field, and of the branch at hand.
-        let (mut sum, mut slope, mut any) = (0.0, Vec3::ZERO, (f32::NEG_INFINITY, Vec3::ZERO));
-        let mut best = any;
-        let mut blend = |best: (f32, Vec3)| {
-            let value = best.0.max(0.0);
-            sum += value * value;
-            slope += best.1 * value;
-            if best.0 > any.0 {
-                any = best;
-            }
-        };
-        let mut branch = u32::MAX;
-        for &number in near {
-            let segment = &self.segments[number as usize];
-            if branch != segment.branch && branch != u32::MAX {
-                blend(best);
-                best.0 = f32::NEG_INFINITY;
-            }
-            branch = segment.branch;
-            let (t, away) = segment.nearest(point - segment.from);
-            let radius = segment.radius + t * segment.growth;
-            let distance = away.length();
-            let value = self.value_at(distance / radius);
-            if value > best.0 {
-                let between = t > 0.0 && t < 1.0;
-                let growth = if between { segment.growth * segment.inverse } else { 0.0 };
-                let radial = away / distance.max(f32::MIN_POSITIVE);
-                best = (value, (segment.way * (growth * distance / radius) - radial) / (radius * self.blend));
-            }
-        }
-        blend(best);
-        let value = level(sum, any.0);
-        (value, if any.0 > 0.0 { slope / sum.sqrt() } else { any.1 })
+    fn colour(&self, _: Vec3) -> [f32; 3] {
+        Material::bark().color()
+    }
+
+    fn detail(&self) -> f32 {
+        self.detail
+    }
+
+    fn lipschitz(&self) -> f32 {
+        self.lipschitz
     }
 }
 
 /// The blended value less 1: the root of the sum of squares (Ricci 1973), so that the fillet between two surfaces
-/// at right angles is round. Where nothing is felt, it falls on.
+/// at right angles is round.
 #[inline(always)]
-fn level(sum: f32, any: f32) -> f32 {
-    if any > 0.0 { sum.sqrt() - 1.0 } else { any - 1.0 }
+fn level(sum: f32) -> f32 {
+    sum.sqrt() - 1.0
 }
 
 /// The greatest coordinate of anything felt, metres, if all of it can be computed with.

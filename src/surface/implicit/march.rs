@@ -1,8 +1,8 @@
 //! Marching cubes on the octree's dual: the cubes' corners are the middles of voxels of whatever size.
 
-use super::brick::{Brick, Bricks, Place};
+use super::brick::{Brick, Bricks, Place, STEPS, voxel};
 use super::case::{CASES, EDGES};
-use super::field::Field;
+use super::solid::Part;
 use crate::parallel;
 use crate::surface::{Mesh, SurfaceError};
 use glam::{IVec3, Vec3};
@@ -31,16 +31,16 @@ impl Crossed {
 }
 
 /// A block with one voxel more on each side.
-struct Surroundings<'a> {
-    bricks: &'a Bricks,
+struct Surroundings<'a, P> {
+    bricks: &'a Bricks<P>,
     brick: &'a Brick,
     number: u32,
     /// What is in each of 3 · 3 · 3 places; the block itself in the middle.
     places: [Place; 27],
 }
 
-impl<'a> Surroundings<'a> {
-    fn new(bricks: &'a Bricks, number: u32) -> Self {
+impl<'a, P: Part> Surroundings<'a, P> {
+    fn new(bricks: &'a Bricks<P>, number: u32) -> Self {
         let brick = &bricks.leaves[number as usize];
         let places = bricks.around(brick.corner, brick.level);
         Self { bricks, brick, number, places }
@@ -94,27 +94,28 @@ impl<'a> Surroundings<'a> {
         })
     }
 
-    /// Where the surface crosses the edge from a voxel to its neighbour, and its normal there.
-    fn vertex(&self, field: &Field, values: &[f32; 64], direction: usize, cell: u32) -> Option<(Vec3, Vec3)> {
+    /// Where the surface crosses the edge from a voxel to its neighbour, its normal there, and what counts there.
+    fn vertex(&self, values: &[f32; 64], direction: usize, cell: u32) -> Option<(Vec3, Vec3, &'a P)> {
         let (number, beyond) = self.holder(voxel(cell) + STEPS[direction])?;
         let other = &self.bricks.leaves[number as usize];
         let from = self.bricks.middle(self.brick, cell);
         let way = self.bricks.middle(other, beyond) - from;
-        let near = self.bricks.near(self.brick);
+        // The larger one's cube holds the smaller one's middle; not the other way round.
+        let larger = if other.level > self.brick.level { number } else { self.number };
+        let part = &self.bricks.parts[larger as usize];
         let starts_inside = values[cell as usize] > 0.0;
         let (mut low, mut high) = (MARGIN, 1.0 - MARGIN);
         let start = values[cell as usize];
-        let end =
-            if number == self.number { values[beyond as usize] } else { field.gradient(near, from + way).0 };
+        let end = if number == self.number { values[beyond as usize] } else { part.value(from + way) };
         let mut t = (start / (start - end)).clamp(low, high);
         let mut tries = 0;
         loop {
             let point = from + way * t;
-            let (value, slope) = field.gradient(near, point);
+            let (value, slope) = part.gradient(point);
             let along = slope.dot(way);
             if value.abs() <= OFF * way.length() * slope.length() || tries == 5 || high - low < OFF {
                 let outward = if starts_inside { way } else { -way };
-                return Some((point, (-slope).normalize_or(outward.normalize_or(Vec3::Y))));
+                return Some((point, (-slope).normalize_or(outward.normalize_or(Vec3::Y)), part));
             }
             if (value > 0.0) == starts_inside {
                 low = t;
@@ -206,7 +207,6 @@ impl<'a> Surroundings<'a> {
 
 /// The voxels on a block's lower side along x, y, z.
 const FIRST: [u64; 3] = [0x1111_1111_1111_1111, 0x000f_000f_000f_000f, 0xffff];
-const STEPS: [IVec3; 6] = [IVec3::X, IVec3::Y, IVec3::Z, IVec3::NEG_X, IVec3::NEG_Y, IVec3::NEG_Z];
 
 /// The places of the bits that are set.
 fn bits(mut left: u64) -> impl Iterator<Item = u32> {
@@ -217,13 +217,8 @@ fn bits(mut left: u64) -> impl Iterator<Item = u32> {
     })
 }
 
-/// Where in its block a voxel is.
-fn voxel(cell: u32) -> IVec3 {
-    (IVec3::splat(cell as i32) >> IVec3::new(0, 2, 4)) & 3
-}
-
-/// The surface of a field between the voxels of its blocks.
-pub(super) fn march(field: &Field, bricks: &Bricks) -> Result<Mesh, SurfaceError> {
+/// The surface between the voxels of blocks, with the solid's colours if they are wanted.
+pub(super) fn march<P: Part>(bricks: &Bricks<P>, colored: bool) -> Result<Mesh, SurfaceError> {
     let count = bricks.leaves.len();
     let edges = parallel::map(count, |number| Surroundings::new(bricks, number as u32).crossed());
     let vertices = edges.iter().flatten().map(|edges| edges.count_ones() as usize).sum();
@@ -242,25 +237,32 @@ pub(super) fn march(field: &Field, bricks: &Bricks) -> Result<Mesh, SurfaceError
     let mut mesh = Mesh::default();
     mesh.positions.reserve_exact(vertices);
     mesh.normals.reserve_exact(vertices);
+    mesh.colors.reserve_exact(if colored { vertices } else { 0 });
     // Closed surfaces have two triangles a vertex, less four a body and plus four a handle, of which there are few.
     mesh.indices.reserve_exact(6 * vertices + vertices / 32);
     in_groups(
         count,
-        |number, vertices: &mut Vec<(Vec3, Vec3)>| {
+        |number, part: &mut Mesh| {
             let edges = crossed[number as usize].edges;
             if edges == [0; 6] {
                 return;
             }
             let around = Surroundings::new(bricks, number);
-            let values = bricks.sample(field, around.brick);
+            let values = bricks.sample(number as usize);
             for (direction, edges) in edges.into_iter().enumerate() {
-                vertices
-                    .extend(bits(edges).filter_map(|cell| around.vertex(field, &values, direction, cell)));
+                for cell in bits(edges) {
+                    if let Some((position, normal, solid)) = around.vertex(&values, direction, cell) {
+                        part.positions.push(position);
+                        part.normals.push(normal);
+                        part.colors.extend(colored.then(|| solid.colour(position)));
+                    }
+                }
             }
         },
-        |vertices| {
-            mesh.positions.extend(vertices.iter().map(|vertex| vertex.0));
-            mesh.normals.extend(vertices.iter().map(|vertex| vertex.1));
+        |part| {
+            mesh.positions.extend(part.positions);
+            mesh.normals.extend(part.normals);
+            mesh.colors.extend(part.colors);
         },
     );
     in_groups(

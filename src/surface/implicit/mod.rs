@@ -4,11 +4,13 @@ mod brick;
 mod case;
 mod field;
 mod march;
+pub(crate) mod solid;
 
 use super::{Mesh, SurfaceError};
 use crate::{ParameterError, Skeleton};
 use brick::Bricks;
 use field::Field;
+use solid::Solid;
 
 /// One closed, watertight mesh of the whole tree: branches flow into each other in round fillets.
 ///
@@ -100,11 +102,12 @@ impl Implicit {
     /// An option out of its range; radii that are all zero; more blocks than were allowed, or more vertices
     /// than 32-bit indices can name; a node more than a million kilometres out or thick.
     pub fn mesh(&self, skeleton: &Skeleton) -> Result<Mesh, SurfaceError> {
-        let (field, bricks) = self.blocks(skeleton)?;
-        march::march(&field, &bricks)
+        let (field, voxel) = self.field(skeleton)?;
+        polygonize(&&field, voxel, self.most_blocks, false)
     }
 
-    fn blocks(&self, skeleton: &Skeleton) -> Result<(Field, Bricks), SurfaceError> {
+    /// The field, and the side of the finest voxels.
+    pub(crate) fn field(&self, skeleton: &Skeleton) -> Result<(Field, f32), SurfaceError> {
         self.check()?;
         let thick = skeleton.radii().iter().copied().filter(|&radius| radius > 0.0);
         let thinnest = thick.fold(f32::INFINITY, f32::min);
@@ -115,12 +118,7 @@ impl Implicit {
         let voxel = self.voxel.unwrap_or((thinnest / self.detail).max(finest));
         let range = format!("at least {finest} m, 1/32768 of the tree's reach, and finite");
         ParameterError::unless(voxel >= finest && voxel.is_finite(), "Implicit.voxel", voxel, &range)?;
-        let field = Field::new(skeleton, voxel * self.detail, self.blend);
-        let fits = |level: u32, radius: f32| voxel * (1u32 << level) as f32 * self.detail <= radius;
-        let level = |radius: f32| (1..28).take_while(|&level| fits(level, radius)).count() as u8;
-        let levels: Vec<u8> = field.segments.iter().map(|segment| level(segment.thinnest())).collect();
-        let bricks = Bricks::new(&field, &levels, voxel, self.most_blocks)?;
-        Ok((field, bricks))
+        Ok((Field::new(skeleton, voxel * self.detail, self.blend, self.detail)?, voxel))
     }
 
     fn check(&self) -> Result<(), ParameterError> {
@@ -140,5 +138,18 @@ impl Implicit {
     }
 }
 
+/// The closed surface of a solid, on voxels of `voxel` metres times powers of two, in at most so many blocks, with the
+/// solid's colours at the vertices if they are wanted.
+pub(crate) fn polygonize(
+    solid: &impl Solid,
+    voxel: f32,
+    most_blocks: usize,
+    colored: bool,
+) -> Result<Mesh, SurfaceError> {
+    march::march(&Bricks::new(solid, voxel, most_blocks)?, colored)
+}
+
+#[cfg(test)]
+mod solid_tests;
 #[cfg(test)]
 mod tests;

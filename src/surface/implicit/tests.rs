@@ -1,10 +1,12 @@
+use super::field::Felt;
+use super::solid::{Coverage, Part};
 use super::*;
 use crate::math;
 use glam::Vec3;
 use proptest::prelude::*;
 
 /// Vertices less edges plus triangles, after a check that the mesh is sound, closed, oriented and a manifold.
-fn euler(mesh: &Mesh) -> Result<i64, String> {
+pub(super) fn euler(mesh: &Mesh) -> Result<i64, String> {
     mesh.check().map_err(|e| e.to_string())?;
     let mut sides: Vec<[u32; 2]> = mesh.triangles().flat_map(|[a, b, c]| [[a, b], [b, c], [c, a]]).collect();
     sides.sort_unstable();
@@ -35,7 +37,7 @@ fn euler(mesh: &Mesh) -> Result<i64, String> {
     Ok(mesh.positions.len() as i64 - sides.len() as i64 / 2 + mesh.triangles().len() as i64)
 }
 
-fn volume(mesh: &Mesh) -> f64 {
+pub(super) fn volume(mesh: &Mesh) -> f64 {
     let corners = mesh.triangles().map(|t| t.map(|index| mesh.positions[index as usize].as_dvec3()));
     corners.map(|[a, b, c]| a.dot(b.cross(c)) / 6.0).sum()
 }
@@ -147,18 +149,25 @@ fn a_fork_has_the_volume_of_its_branches_and_what_blending_adds() {
     assert!(wide > round && wide < sharp * 1.15, "{wide} {sharp}");
 }
 
+/// All of a field.
+fn whole(field: &Field) -> Felt<'_> {
+    match field.part(None, field.bounds()) {
+        Coverage::Crossed(part) => part,
+        other => panic!("{other:?}"),
+    }
+}
+
 #[test]
 fn the_gradient_is_the_differences_and_the_normals() {
     let skeleton = fork(0.06, 1.0);
-    let (field, bricks) = Implicit::default().blocks(&skeleton).expect("blocks");
-    let all: Vec<u32> = (0..field.segments.len() as u32).collect();
-    let mesh = march::march(&field, &bricks).expect("a mesh");
+    let (field, voxel) = Implicit::default().field(&skeleton).expect("sound");
+    let mesh = polygonize(&&field, voxel, 10_000, false).expect("a mesh");
+    let all = whole(&field);
     for (&position, &normal) in mesh.positions.iter().zip(&mesh.normals) {
-        let (value, slope) = field.gradient(&all, position);
+        let (value, slope) = all.gradient(position);
         let step = 1e-3;
         let difference = |axis: Vec3| {
-            (field.gradient(&all, position + axis * step).0 - field.gradient(&all, position - axis * step).0)
-                / (2.0 * step)
+            (all.value(position + axis * step) - all.value(position - axis * step)) / (2.0 * step)
         };
         let differences = Vec3::from_array(Vec3::AXES.map(difference));
         assert!(slope.distance(differences) < 0.05 * slope.length(), "{slope} {differences} at {position}");
@@ -170,13 +179,16 @@ fn the_gradient_is_the_differences_and_the_normals() {
 /// Blocks see what the whole field is, and the surface passes nowhere else.
 #[test]
 fn blocks_are_as_dense_as_the_whole_field() {
-    let (field, bricks) = Implicit::default().blocks(&fork(0.05, 0.8)).expect("blocks");
-    let all: Vec<u32> = (0..field.segments.len() as u32).collect();
-    for brick in &bricks.leaves {
+    let (field, voxel) = Implicit::default().field(&fork(0.05, 0.8)).expect("sound");
+    let bricks = Bricks::new(&&field, voxel, 10_000).expect("blocks");
+    let all = whole(&field);
+    for (number, brick) in bricks.leaves.iter().enumerate() {
+        let values = bricks.sample(number);
         for cell in 0..64 {
-            // On the surface itself the order of sums decides.
-            let value = field.gradient(&all, bricks.middle(brick, cell)).0;
-            assert!(value.abs() < 1e-5 || (brick.inside >> cell & 1 == 1) == (value > 0.0), "{value}");
+            let offset = brick::voxel(cell).as_vec3();
+            let value = all.value(bricks.middle(brick, 0) + offset * bricks.step(brick.level));
+            assert_eq!(values[cell as usize].to_bits(), value.to_bits());
+            assert_eq!(brick.inside >> cell & 1 == 1, value > 0.0, "{value}");
         }
     }
     let mut random = 1u32;
@@ -188,7 +200,7 @@ fn blocks_are_as_dense_as_the_whole_field() {
         let corner = glam::IVec3::new(next() as i32 % 128, next() as i32 % 128, next() as i32 % 128);
         if let brick::Place::Empty(inside) = bricks.find(corner, 0) {
             let middle = bricks.place(corner) + 0.5 * bricks.step(0);
-            assert_eq!(field.gradient(&all, middle).0 > 0.0, inside, "{middle}");
+            assert_eq!(all.value(middle) > 0.0, inside, "{middle}");
         }
     }
 }

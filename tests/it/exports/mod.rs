@@ -131,6 +131,20 @@ fn ply_rs_reads_the_ply() {
 }
 
 #[test]
+fn vertices_have_their_colours_in_the_ply() {
+    let (mut kite, _) = kites();
+    kite.colors = vec![[1.0; 3], [0.5, 1.0, 0.0], [0.0; 3], [1.0, 0.0, 1.0]];
+    let white = Part::new(&kite).with_material(Material::bark().with_color([1.0; 3]));
+    let text = |part: Part<'_>| {
+        let ply = String::from_utf8(bytes(|out| write_ply(&[part], PlyFormat::Ascii, out))).unwrap();
+        let body = ply.split_once("end_header\n").unwrap().1.to_owned();
+        body.lines().take(4).map(|line| line.splitn(9, ' ').nth(8).unwrap().to_owned()).collect::<Vec<_>>()
+    };
+    assert_eq!(text(white), ["255 255 255", "188 255 0", "0 0 0", "255 0 255"]);
+    assert_eq!(text(white.with_material(Material::bark().with_color([0.5; 3])))[3], "188 0 188");
+}
+
+#[test]
 fn the_gltf_crate_reads_the_glb() {
     let (_, bark, leaves) = tree();
     let parts = [Part::new(&bark), leaves.part()];

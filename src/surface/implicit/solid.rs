@@ -1,0 +1,57 @@
+//! What a polygonizer or a ray caster asks of an implicit surface.
+
+use crate::Bounds;
+use glam::Vec3;
+
+/// A solid bounded by an implicit surface: its value is 0 on the surface, above 0 inside, below 0 outside.
+///
+/// Nobody evaluates a solid as a whole: it is asked for the [part](Solid::part) of it that counts within a cube, then for
+/// the part of that within a smaller one, and so on down an octree. Parts are evaluated.
+pub(crate) trait Solid: Sync {
+    /// What counts of it within a cube.
+    type Part: Part;
+
+    /// A box that holds every point whose value is not negative.
+    fn bounds(&self) -> Bounds;
+
+    /// What counts within a cube, of the whole or of the part that counted within a larger cube around it.
+    fn part(&self, of: Option<&Self::Part>, cube: Bounds) -> Coverage<Self::Part>;
+}
+
+/// What is known about all points of a cube.
+#[derive(Debug)]
+pub(crate) enum Coverage<P> {
+    /// All values are below 0.
+    Outside,
+    /// All values are above 0.
+    Inside,
+    /// Perhaps both.
+    Crossed(P),
+}
+
+/// What counts of a [`Solid`] within a cube: there its values and gradients are the whole's, to the bit.
+pub(crate) trait Part: Send + Sync {
+    /// The value at a point of the cube.
+    fn value(&self, point: Vec3) -> f32;
+
+    /// The value and its gradient, a metre, at a point of the cube. Of length 0 only where there is none.
+    fn gradient(&self, point: Vec3) -> (f32, Vec3);
+
+    /// The values at 4 · 4 · 4 points of the cube: entry `x + 4y + 16z` is that of the point so many steps of `step`
+    /// metres along x, y and z from `start`.
+    fn sample(&self, start: Vec3, step: f32) -> [f32; 64] {
+        std::array::from_fn(|i| {
+            let offset = Vec3::new((i & 3) as f32, (i >> 2 & 3) as f32, (i >> 4) as f32);
+            self.value(start + offset * step)
+        })
+    }
+
+    /// The linear RGB colour at a point on the surface.
+    fn colour(&self, point: Vec3) -> [f32; 3];
+
+    /// The longest voxel, in metres, that shows the finest feature within the cube.
+    fn detail(&self) -> f32;
+
+    /// No value within the cube changes by more than this a metre.
+    fn lipschitz(&self) -> f32;
+}

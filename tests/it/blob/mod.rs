@@ -1,0 +1,5 @@
+//! What `BlobTree` promises: the paper's equations, precise contact, errors, depth, and the skin of trees.
+
+mod bad_input;
+mod equations;
+mod skin;
