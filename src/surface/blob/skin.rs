@@ -338,7 +338,7 @@ impl Tailor<'_> {
 }
 
 /// From 0 to 1 as t does, level at both ends.
-fn smooth(t: f32) -> f32 {
+pub(super) fn smooth(t: f32) -> f32 {
     let t = t.clamp(0.0, 1.0);
     t * t * (3.0 - 2.0 * t)
 }
