@@ -207,7 +207,7 @@ impl<'a> Frame<'a> {
                     }
                 }
             }
-            if self.solid.is_some_and(|solid| solid.is_full()) {
+            if self.solid.is_some_and(Cast::is_full) {
                 break;
             }
             report(observer, Work::Picture, end as f32 / strips as f32)?;

@@ -2,7 +2,7 @@
 
 use super::{Frame, NOTHING, SOLID, Strip};
 use crate::preview::light::Lit;
-use crate::preview::ray::{Beam, Hit, Ray, Sunbeams, Sunlight};
+use crate::preview::ray::{Beam, Hit, Look, Sunbeams, Sunlight};
 use glam::Vec3;
 
 /// Side of the blocks of pixels that are looked at as a whole first.
@@ -45,12 +45,7 @@ impl Frame<'_> {
     }
 
     /// First every other sample; where these show one smooth surface, the rest is as they are.
-    fn cast_pixel(
-        &self,
-        hit: &dyn Fn(&Ray) -> Option<Hit>,
-        strip: &mut Strip,
-        (column, row): (usize, usize),
-    ) {
+    fn cast_pixel(&self, hit: &Look<'_>, strip: &mut Strip, (column, row): (usize, usize)) {
         let n = self.samples;
         let beams = Sunbeams::all(n * n, column, strip.top / n + row);
         let sample = |strip: &mut Strip, index: usize| {

@@ -64,11 +64,14 @@ pub(in super::super) struct Sunlight {
     pub(in super::super) softness: f32,
 }
 
+/// Says what a ray meets first.
+pub(in super::super) type Look<'a> = dyn Fn(&Ray) -> Option<Hit> + 'a;
+
 /// A solid that rays are cast at.
 pub(in super::super) trait Cast: Sync {
     /// Has those of the beams in `block` drawn, by their numbers, that may meet something, with a function that says what
     /// a ray of that beam meets first.
-    fn look(&self, block: &Beam, beams: &[Beam], draw: &mut dyn FnMut(usize, &dyn Fn(&Ray) -> Option<Hit>));
+    fn look(&self, block: &Beam, beams: &[Beam], draw: &mut dyn FnMut(usize, &Look<'_>));
 
     /// How much of the sun in the direction `sun` is seen from a point of a surface.
     fn sunlight(&self, point: Vec3, normal: Vec3, sun: Vec3, beams: Sunbeams) -> Sunlight;
@@ -81,7 +84,7 @@ pub(in super::super) trait Cast: Sync {
 }
 
 impl<S: Solid> Cast for Octree<'_, S> {
-    fn look(&self, block: &Beam, beams: &[Beam], draw: &mut dyn FnMut(usize, &dyn Fn(&Ray) -> Option<Hit>)) {
+    fn look(&self, block: &Beam, beams: &[Beam], draw: &mut dyn FnMut(usize, &Look<'_>)) {
         let mirror = block.ray.mirror();
         let (all, mut wide, mut near) = (self.whole(), Vec::new(), Vec::new());
         self.gather(all[0], block, mirror, 0.5, &mut wide);

@@ -5,7 +5,7 @@ mod octree;
 mod outline;
 mod walk;
 
-pub(super) use cast::{Cast, Hit, Sunbeams, Sunlight};
+pub(super) use cast::{Cast, Hit, Look, Sunbeams, Sunlight};
 pub(super) use walk::{Beam, Ray};
 
 use super::{Picture, Preview, PreviewError};

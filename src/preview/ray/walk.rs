@@ -80,7 +80,7 @@ impl Ray {
     }
 }
 
-impl<'a, S: Solid> Octree<'a, S> {
+impl<S: Solid> Octree<'_, S> {
     pub(super) fn whole(&self) -> [Entry<'_, S::Part>; 1] {
         [Entry { node: &self.root, cube: self.cube }]
     }
