@@ -10,11 +10,13 @@ use treesynth::surface::blob::Skin;
 
 /// Nodes of the graph, and the greatest turn of the skin: as many cones as wanted.
 const NODES: usize = 1_000_000;
-const TURN: f32 = 0.05;
+const TURN: f32 = 0.015;
 /// What is wanted of building, milliseconds.
 const GOAL: f64 = 1000.0;
 /// Points evaluated at once.
 const POINTS: usize = 4096;
+/// Without the hierarchy.
+const FEW: usize = 4;
 
 /// Numbers from -1 to 1 that look random.
 fn jitter(i: usize) -> Vec3 {
@@ -65,7 +67,6 @@ fn main() {
     });
     // Every step at every point.
     let whole = blob.part(blob.bounds());
-    const FEW: usize = 4;
     group.bench_function("without", |bencher| {
         let work = || points[..FEW].iter().map(|&point| whole.value(point)).sum::<f32>();
         samples.time(bencher, "without", work);

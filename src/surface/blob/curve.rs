@@ -11,7 +11,7 @@ const MOST_PARTS: f32 = 64.0;
 /// Cosine of the sharpest turn that is rounded, 120°; at a sharper one the curve has a corner.
 const SHARPEST_TURN: f32 = -0.5;
 
-/// A smooth curve through points, of a radius interpolated between them: a skeletal primitive made of cone segments.
+/// A smooth curve through points, with a radius interpolated between theirs, monotone and smooth: a skeletal primitive made of cone segments.
 ///
 /// Between two points lies the cubic Hermite curve with the tangents of Catmull and Rom 1974 for points at their chords'
 /// lengths, each as long as the chord. Cone segments follow it so finely that none turns by more than
@@ -87,6 +87,11 @@ impl Curve {
             return Ok(vec![cone([knots[0].0; 2], [knots[0].1; 2])]);
         }
         let ways: Vec<Vec3> = knots.windows(2).map(|pair| pair[1].0 - pair[0].0).collect();
+        let rises: Vec<f32> = knots
+            .windows(2)
+            .zip(&ways)
+            .map(|(pair, way)| (pair[1].1 - pair[0].1) / way.length().max(f32::MIN_POSITIVE))
+            .collect();
         let mut cones = Vec::with_capacity(ways.len());
         for (i, pair) in knots.windows(2).enumerate() {
             let [(from, start), (to, end)] = [pair[0], pair[1]];
@@ -96,7 +101,10 @@ impl Curve {
             let leaving = if i == 0 { self.tangents[0].unwrap_or(way) } else { tangent(before, way, way) };
             let arriving =
                 if i + 1 == ways.len() { self.tangents[1].unwrap_or(way) } else { tangent(way, after, way) };
-            let turn = math::angle_between(leaving, way) + math::angle_between(way, arriving);
+            let rise =
+                [i.saturating_sub(1), (i + 1).min(rises.len() - 1)].map(|k| between(rises[k], rises[i]));
+            let bend = math::angle_between(leaving, way) + math::angle_between(way, arriving);
+            let turn = bend + (rise[0] - rises[i]).abs() + (rise[1] - rises[i]).abs();
             // Not a number where points are none.
             let parts = ((turn / self.turn).ceil().min(MOST_PARTS) as u32).max(1);
             let length = way.length();
@@ -116,7 +124,17 @@ impl Curve {
                 } else {
                     point
                 };
-                (point, start + (end - start) * t)
+                let radius = start * ((1.0 + 2.0 * t) * back * back)
+                    + end * (square * (3.0 - 2.0 * t))
+                    + length * (rise[0] * (t * back * back) - rise[1] * (square * back));
+                let radius = if k == 0 {
+                    start
+                } else if k == parts {
+                    end
+                } else {
+                    radius
+                };
+                (point, radius.max(start.min(end)).min(start.max(end)))
             };
             for k in 0..parts {
                 let [(from, start), (to, end)] = [at(k), at(k + 1)];
@@ -137,6 +155,11 @@ impl Curve {
         }
         knots
     }
+}
+
+/// The slope of the radius between two cones' (Fritsch and Butland 1984): no radius then leaves the range of its neighbours.
+fn between(before: f32, after: f32) -> f32 {
+    if before * after > 0.0 { 2.0 * before * after / (before + after) } else { 0.0 }
 }
 
 /// The tangent between two ways, or along the one at hand where they turn back.

@@ -44,7 +44,7 @@ use scene::{Kind, Scene};
 use std::sync::Arc;
 
 /// The linear RGB colour of what is given none: a grey brown.
-const BARK: [f32; 3] = [0.30, 0.23, 0.17];
+const BARK: [f32; 3] = [0.16, 0.118, 0.088];
 
 /// An implicit solid: primitives joined by operators; see the [module](self).
 ///

@@ -1,5 +1,6 @@
 //! The situations of figures 4 to 7 of Galbraith, Mündermann and Wyvill 2004.
 
+use super::skin::smooth;
 use super::{BARK, BlobError, BlobTree, BlobTreeBuilder, Bounded, FieldFunction, Operator, Primitive, Skin};
 use crate::{Bounds, Skeleton, SkeletonError};
 use glam::Vec3;
@@ -34,9 +35,9 @@ const GREEN: [f32; 3] = [0.02, 0.35, 0.04];
 /// Nearly black.
 const BLACK: [f32; 3] = [0.012, 0.01, 0.008];
 /// The two lines, all of them.
-const LINES: Bounds = Bounds::new(Vec3::new(-0.55, -0.8, -0.5), Vec3::new(1.05, 0.8, 0.5));
+const LINES: Bounds = Bounds::new(Vec3::new(-0.4, -0.6, -0.2), Vec3::new(0.8, 0.75, 0.2));
 /// The fork and its scars.
-const FORK: Bounds = Bounds::new(Vec3::new(-0.1, 0.03, -0.1), Vec3::new(0.15, 0.28, 0.1));
+const FORK: Bounds = Bounds::new(Vec3::new(-0.07, 0.27, -0.03), Vec3::new(0.12, 0.46, 0.03));
 
 /// All presets, in the order of the figures.
 pub fn presets() -> impl Iterator<Item = BlobPreset> {
@@ -95,9 +96,9 @@ impl BlobPreset {
 }
 
 fn lines(builder: &mut BlobTreeBuilder) -> Result<[super::Node; 2], BlobError> {
-    let [from, to] = [Vec3::new(0.0, -1.0, 0.0), Vec3::new(0.0, 1.0, 0.0)];
+    let [from, to] = [Vec3::new(0.0, -2.0, 0.0), Vec3::new(0.0, 2.0, 0.0)];
     let stem = builder.add(Primitive::line(from, to, 0.22).with_colour(BARK))?;
-    let lateral = Primitive::line(Vec3::new(0.0, -0.3, 0.0), Vec3::new(1.0, 0.7, 0.0), 0.17);
+    let lateral = Primitive::line(Vec3::new(0.0, -0.3, 0.0), Vec3::new(2.0, 1.7, 0.0), 0.17);
     Ok([stem, builder.add(lateral.with_colour(BARK))?])
 }
 
@@ -108,19 +109,21 @@ fn lines(builder: &mut BlobTreeBuilder) -> Result<[super::Node; 2], BlobError> {
 /// Years that are negative or not finite, for then radii are.
 pub fn fork(years: f32) -> Result<Skeleton, SkeletonError> {
     const STEP: f32 = 0.02;
+    const FOOT: f32 = 0.2;
     /// Where the first shoot ends, and the lateral springs.
     const END: usize = 8;
     const LATERAL: u32 = 7;
-    const NODES: usize = 17;
+    const NODES: usize = 21;
     // All thickens year by year; a shoot is a year's ring thinner than the one that bore it.
     let thick = |years: f32| 0.003 + 0.0036 * years;
     let (mut positions, mut parents, mut radii, mut stages) = (vec![], vec![], vec![], vec![]);
     for i in 0..NODES {
-        let along = i as f32 * STEP;
-        positions.push(Vec3::new(0.03 * along * along, along, 0.0));
+        // The first internode is long, so that pictures do not show the end.
+        let along = if i == 0 { 0.0 } else { FOOT + i as f32 * STEP };
+        positions.push(Vec3::new(0.0, along, 0.0));
         parents.push(i.checked_sub(1).map(|parent| parent as u32));
         // The year's ring ends gently, over some steps around the junction.
-        let younger = ((i as f32 - END as f32 + 4.0) / 8.0).clamp(0.0, 1.0);
+        let younger = smooth((i as f32 - END as f32 + 6.0) / 12.0);
         radii.push(thick(years + 0.6 - 0.6 * younger) * (1.0 - 0.08 * younger));
         stages.push(u16::from(i > END));
     }

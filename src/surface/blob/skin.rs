@@ -52,7 +52,7 @@ impl Default for Skin {
     /// As old as the last stage and one year; blends half a radius wide; scars and ridges of full strength, bulge 2; scars
     /// gone, ridges formed after 10 years (figure 7); grey brown bark, blackened where it meets.
     fn default() -> Self {
-        let (age, blend, turn, bulge) = (None, 0.5, 0.2, 2.0);
+        let (age, blend, turn, bulge) = (None, 0.5, 0.1, 2.0);
         let (scars, ridges, scar_years, ridge_years) = (1.0, 1.0, 10.0, 10.0);
         Self {
             age,
@@ -83,7 +83,7 @@ impl Skin {
         self
     }
 
-    /// The greatest turn of a surface between two cone segments, radians, 0.01 to 3; default 0.2.
+    /// The greatest turn of a surface between two cone segments, radians, 0.01 to 3; default 0.1.
     pub fn with_turn(mut self, radians: f32) -> Self {
         self.turn = radians;
         self
@@ -338,7 +338,7 @@ impl Tailor<'_> {
 }
 
 /// From 0 to 1 as t does, level at both ends.
-fn smooth(t: f32) -> f32 {
+pub(super) fn smooth(t: f32) -> f32 {
     let t = t.clamp(0.0, 1.0);
     t * t * (3.0 - 2.0 * t)
 }

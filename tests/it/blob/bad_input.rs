@@ -171,6 +171,7 @@ fn curves_out_of_range() {
         (Curve::new(vec![Vec3::ZERO], vec![]), "0 radii"),
         (Curve::new(vec![Vec3::ZERO, Vec3::NAN], vec![1.0, 1.0]), "Primitive.ends"),
         (Curve::new(vec![Vec3::ZERO, Vec3::Y], vec![1.0, 0.0]), "Primitive.radius"),
+        (Curve::new(vec![Vec3::ZERO, Vec3::Y], vec![f32::NAN; 2]), "Primitive.radius"),
         (sound().with_turn(0.0), "Curve.turn"),
         (sound().with_tangents(Some(Vec3::ZERO), None), "Curve.tangents"),
         (sound().with_strength(f32::NAN), "Primitive.strength"),

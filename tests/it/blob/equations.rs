@@ -183,14 +183,13 @@ fn depth_does_not_overflow() {
             for i in 1..=MANY {
                 let next = builder.add(ball(i)).expect("a ball");
                 let parts = if first { [all, next] } else { [next, all] };
-                all = match operator {
-                    Some(operator) => builder.combine(operator, parts),
-                    None => {
-                        let field = builder.add(ball(i).bounding(0.5)).expect("a field");
-                        builder.bounded(parts, style, field)
-                    }
-                }
-                .expect("two parts");
+                let made = if let Some(operator) = operator {
+                    builder.combine(operator, parts)
+                } else {
+                    let field = builder.add(ball(i).bounding(0.5)).expect("a field");
+                    builder.bounded(parts, style, field)
+                };
+                all = made.expect("two parts");
             }
             let tree = builder.finish(all).expect("a solid");
             assert!(tree.operators() >= MANY);

@@ -65,7 +65,7 @@ fn the_scar_of_the_lateral_becomes_a_ridge() {
     for years in YEARS {
         let skeleton = fork(years).expect("a fork");
         let tree = worn(&skin(years), &skeleton);
-        let (foot, next) = (skeleton.positions()[7], skeleton.positions()[17]);
+        let (foot, next) = (skeleton.positions()[7], skeleton.positions()[21]);
         let (out, thick) = ((next - foot).normalize(), skeleton.radii()[7]);
         // The darkest that is seen from between the axis and the lateral.
         let darkest = |axis: Vec3| {
@@ -81,9 +81,9 @@ fn the_scar_of_the_lateral_becomes_a_ridge() {
         above.push(darkest(Vec3::Y));
         below.push(darkest(Vec3::NEG_Y));
     }
-    assert!(above.iter().all(|&dark| dark < 0.3), "{above:?}");
-    assert!(below[0] < 0.25 && below.windows(2).all(|pair| pair[1] >= pair[0]), "{below:?}");
-    assert!(below[3] > 0.6, "the bark's own colour: {below:?}");
+    assert!(above.iter().all(|&dark| dark < 0.2), "{above:?}");
+    assert!(below[0] < 0.12 && below.windows(2).all(|pair| pair[1] >= pair[0]), "{below:?}");
+    assert!(below[3] > 0.36, "the bark's own colour: {below:?}");
 }
 
 /// Without scars and ridges nothing is dark or sharp; away from them they make no difference.
@@ -96,7 +96,7 @@ fn marks_stay_where_they_belong() {
     let (mut same, mut other) = (0, 0);
     for i in 0..40_000 {
         let unit = |n: u32| (i as u32).wrapping_mul(n).wrapping_mul(2_654_435_761) as f32 / u32::MAX as f32;
-        let point = Vec3::new(unit(1) * 0.2 - 0.05, unit(7919) * 0.32, unit(104_729) * 0.1 - 0.05);
+        let point = Vec3::new(unit(1) * 0.2 - 0.05, 0.2 + unit(7919) * 0.32, unit(104_729) * 0.1 - 0.05);
         let equal = marked.value(point).to_bits() == plain.value(point).to_bits();
         let near = point.distance(skeleton.positions()[8]) < 0.08;
         assert!(equal || near, "{point}");
@@ -147,5 +147,5 @@ fn figures_are_there_and_the_same_as_ever() {
         })
     });
     let hash = fnv1a(numbers.flat_map(u32::to_le_bytes));
-    assert_eq!(hash, 0xc77f_ce43_b47e_64aa, "{hash:#018x}");
+    assert_eq!(hash, 0x848b_540c_3ee3_df6f, "{hash:#018x}");
 }
