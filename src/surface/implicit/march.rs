@@ -20,12 +20,14 @@ const OFF: f32 = 0.01;
 #[derive(Debug, Clone, Copy)]
 struct Crossed {
     first: u32,
+    /// How many are of the directions before.
+    before: [u16; 6],
     edges: [u64; 6],
 }
 
 impl Crossed {
     fn vertex(&self, direction: usize, cell: u32) -> u32 {
-        let before = self.edges[..direction].iter().map(|edges| edges.count_ones()).sum::<u32>();
+        let before = u32::from(self.before[direction]);
         self.first + before + (self.edges[direction] & ((1 << cell) - 1)).count_ones()
     }
 }
@@ -244,9 +246,9 @@ fn bits(mut left: u64) -> impl Iterator<Item = u32> {
 }
 
 /// The surface between the voxels of blocks, with the solid's colours if they are wanted.
-pub(super) fn march<P: Part>(bricks: &Bricks<P>, colored: bool) -> Result<Mesh, SurfaceError> {
+pub(super) fn march<P: Part>(mut bricks: Bricks<P>, colored: bool) -> Result<Mesh, SurfaceError> {
     let count = bricks.leaves.len();
-    let edges = parallel::map(count, |number| Surroundings::new(bricks, number as u32).crossed());
+    let edges = parallel::map(count, |number| Surroundings::new(&bricks, number as u32).crossed());
     let vertices = edges.iter().flatten().map(|edges| edges.count_ones() as usize).sum();
     if vertices > u32::MAX as usize {
         return Err(SurfaceError::TooLarge { vertices });
@@ -255,8 +257,11 @@ pub(super) fn march<P: Part>(bricks: &Bricks<P>, colored: bool) -> Result<Mesh, 
     let crossed: Vec<_> = edges
         .into_iter()
         .map(|edges| {
-            let here = Crossed { first, edges };
-            first += edges.iter().map(|edges| edges.count_ones()).sum::<u32>();
+            let mut here = Crossed { first, before: [0; 6], edges };
+            for (edges, before) in edges.iter().zip(&mut here.before) {
+                *before = (first - here.first) as u16;
+                first += edges.count_ones();
+            }
             here
         })
         .collect();
@@ -264,8 +269,6 @@ pub(super) fn march<P: Part>(bricks: &Bricks<P>, colored: bool) -> Result<Mesh, 
     mesh.positions.reserve_exact(vertices);
     mesh.normals.reserve_exact(vertices);
     mesh.colors.reserve_exact(if colored { vertices } else { 0 });
-    // Closed surfaces have two triangles a vertex, less four a body and plus four a handle, of which there are few.
-    mesh.indices.reserve_exact(6 * vertices + vertices / 32);
     in_groups(
         count,
         |number, part: &mut Mesh| {
@@ -273,7 +276,7 @@ pub(super) fn march<P: Part>(bricks: &Bricks<P>, colored: bool) -> Result<Mesh, 
             if edges == [0; 6] {
                 return;
             }
-            let around = Surroundings::new(bricks, number);
+            let around = Surroundings::new(&bricks, number);
             let values = bricks.sample(number as usize);
             for (direction, edges) in edges.into_iter().enumerate() {
                 for cell in bits(edges) {
@@ -291,9 +294,13 @@ pub(super) fn march<P: Part>(bricks: &Bricks<P>, colored: bool) -> Result<Mesh, 
             mesh.colors.extend(part.colors);
         },
     );
+    // What triangles do not need goes before they come.
+    bricks.parts = Vec::new();
+    // Closed surfaces have two triangles a vertex, less four a body and plus four a handle, of which there are few.
+    mesh.indices.reserve_exact(6 * vertices + vertices / 32);
     in_groups(
         count,
-        |number, indices: &mut Vec<u32>| Surroundings::new(bricks, number).triangles(&crossed, indices),
+        |number, indices: &mut Vec<u32>| Surroundings::new(&bricks, number).triangles(&crossed, indices),
         |indices| mesh.indices.extend(indices),
     );
     Ok(mesh)

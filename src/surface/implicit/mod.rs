@@ -146,7 +146,7 @@ pub(crate) fn polygonize(
     most_blocks: usize,
     colored: bool,
 ) -> Result<Mesh, SurfaceError> {
-    march::march(&Bricks::new(solid, voxel, most_blocks)?, colored)
+    march::march(Bricks::new(solid, voxel, most_blocks)?, colored)
 }
 
 #[cfg(test)]
