@@ -12,6 +12,7 @@
 //! ([`Instance`]): what is written and drawn.
 
 mod axis;
+pub mod blob;
 mod capsule;
 mod circle;
 mod collar;

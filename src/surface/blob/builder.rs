@@ -1,0 +1,332 @@
+//! From primitives and operators to a [`BlobTree`], each step checked.
+
+use super::BlobTree;
+use super::bounded::Bounded;
+use super::curve::Curve;
+use super::error::BlobError;
+use super::operator::{Contact, Operator};
+use super::primitive::{Leaf, Primitive, Range};
+use super::scene::{Kind, Scene, Warp};
+use crate::Bounds;
+use glam::Affine3A;
+
+/// More parts of one operator than this are put into groups, near ones together.
+const GROUP: usize = 4;
+
+/// A part of a [`BlobTree`] in the making, to be used once: what takes it, owns it.
+#[derive(Debug)]
+pub struct Node(u32);
+
+/// What a node is before its parts are in order.
+#[derive(Debug, Clone, Copy)]
+pub(super) enum Draft {
+    Leaf(u32),
+    Combine { operator: u32, parts: [u32; 2] },
+    Bounded { style: u32, parts: [u32; 2] },
+    Warp { warp: u32, part: u32 },
+}
+
+/// A node with what is known of its field everywhere.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Entry {
+    pub(super) draft: Draft,
+    pub(super) bounds: Bounds,
+    most: f32,
+    taken: bool,
+}
+
+/// Makes a [`BlobTree`] from its leaves up. Every node is used once; what is not, is left out.
+///
+/// ```
+/// use treesynth::glam::Vec3;
+/// use treesynth::surface::blob::{BlobTreeBuilder, Bounded, Primitive};
+///
+/// let mut parts = BlobTreeBuilder::default();
+/// let stem = parts.add(Primitive::line(Vec3::ZERO, Vec3::Y, 0.1))?;
+/// let twig = parts.add(Primitive::cone([Vec3::Y * 0.5, Vec3::new(0.5, 1.0, 0.0)], [0.06, 0.04]))?;
+/// let axil = parts.add(Primitive::point(Vec3::new(0.1, 0.7, 0.0), 0.2).bounding(1.0))?;
+/// let fork = parts.bounded([stem, twig], Bounded::default(), axil)?;
+/// let solid = parts.finish(fork)?;
+/// assert!(solid.value(Vec3::Y * 0.2) > 0.0 && solid.value(Vec3::X) < 0.0);
+/// # Ok::<(), treesynth::surface::blob::BlobError>(())
+/// ```
+#[derive(Debug, Default)]
+pub struct BlobTreeBuilder {
+    pub(super) leaves: Vec<Primitive>,
+    pub(super) entries: Vec<Entry>,
+    pub(super) parts: Vec<u32>,
+    pub(super) operators: Vec<Operator>,
+    pub(super) styles: Vec<Bounded>,
+    pub(super) warps: Vec<Warp>,
+}
+
+impl BlobTreeBuilder {
+    /// A primitive.
+    ///
+    /// # Errors
+    /// A coordinate beyond a million kilometres, a radius not from 1e-9 to 1e9 m, a field function, strength or colour out of
+    /// its range.
+    pub fn add(&mut self, primitive: Primitive) -> Result<Node, BlobError> {
+        primitive.check()?;
+        let number = self.leaves.len() as u32;
+        let leaf = Leaf::new(&primitive, 0);
+        self.leaves.push(primitive);
+        self.push(Draft::Leaf(number), leaf.bounds(), primitive.strength)
+    }
+
+    /// A curve: the union of the cone segments it is made of.
+    ///
+    /// # Errors
+    /// No points, another number of radii, or what [`add`](Self::add) refuses.
+    pub fn curve(&mut self, curve: &Curve) -> Result<Node, BlobError> {
+        let primitives = curve.primitives()?;
+        let mut nodes = Vec::with_capacity(primitives.len());
+        for primitive in primitives {
+            nodes.push(self.add(primitive)?);
+        }
+        self.union(nodes)
+    }
+
+    /// The [sum](Operator::Sum) of parts.
+    ///
+    /// # Errors
+    /// See [`combine`](Self::combine).
+    pub fn sum(&mut self, parts: impl IntoIterator<Item = Node>) -> Result<Node, BlobError> {
+        self.combine(Operator::Sum, parts)
+    }
+
+    /// The [super-elliptic blend](Operator::SuperElliptic) of parts.
+    ///
+    /// # Errors
+    /// See [`combine`](Self::combine).
+    pub fn super_elliptic(
+        &mut self,
+        power: f32,
+        parts: impl IntoIterator<Item = Node>,
+    ) -> Result<Node, BlobError> {
+        self.combine(Operator::SuperElliptic(power), parts)
+    }
+
+    /// The [union](Operator::Union) of parts.
+    ///
+    /// # Errors
+    /// See [`combine`](Self::combine).
+    pub fn union(&mut self, parts: impl IntoIterator<Item = Node>) -> Result<Node, BlobError> {
+        self.combine(Operator::Union, parts)
+    }
+
+    /// The [intersection](Operator::Intersection) of parts.
+    ///
+    /// # Errors
+    /// See [`combine`](Self::combine).
+    pub fn intersection(&mut self, parts: impl IntoIterator<Item = Node>) -> Result<Node, BlobError> {
+        self.combine(Operator::Intersection, parts)
+    }
+
+    /// A part [without](Operator::Difference) another.
+    ///
+    /// # Errors
+    /// See [`combine`](Self::combine).
+    pub fn difference(&mut self, from: Node, other: Node) -> Result<Node, BlobError> {
+        self.combine(Operator::Difference, [from, other])
+    }
+
+    /// Parts that [press on each other](Operator::Contact).
+    ///
+    /// # Errors
+    /// See [`combine`](Self::combine).
+    pub fn contact(
+        &mut self,
+        contact: Contact,
+        parts: impl IntoIterator<Item = Node>,
+    ) -> Result<Node, BlobError> {
+        self.combine(Operator::Contact(contact), parts)
+    }
+
+    /// Any operator on parts. Of those whose order is no matter, more than four are grouped by where they are.
+    ///
+    /// # Errors
+    /// An operator's parameter out of its range; too few parts: none, or one where two are needed; a node that has been used
+    /// or is of another builder.
+    pub fn combine(
+        &mut self,
+        operator: Operator,
+        parts: impl IntoIterator<Item = Node>,
+    ) -> Result<Node, BlobError> {
+        operator.check()?;
+        let mut parts = self.take(operator, parts)?;
+        let number = remember(&mut self.operators, operator);
+        if operator.is_associative() && parts.len() > GROUP {
+            self.group(number, &mut parts)
+        } else {
+            self.push_combined(number, &parts)
+        }
+    }
+
+    /// Generalized bounded blending, equations 2 to 4: `F_b · B₁ + (1 - F_b) · B₂`, where both operators B get the same parts, and
+    /// any field of at most 1 may be `F_b`.
+    ///
+    /// # Errors
+    /// An operator's parameter out of its range; too few parts for one of them; a bounding field that may exceed 1; a
+    /// node that has been used or is of another builder; a colour out of range.
+    pub fn bounded(
+        &mut self,
+        parts: impl IntoIterator<Item = Node>,
+        style: Bounded,
+        field: Node,
+    ) -> Result<Node, BlobError> {
+        style.check()?;
+        let mut parts = self.take(style.needy(), parts)?;
+        let most = [style.inside, style.outside].map(|operator| self.most(operator, &parts));
+        let bounds = style.bounds(&self.boxes(&parts));
+        let field = self.take(Operator::Union, [field])?[0];
+        let reaches = self.entries[field as usize].most;
+        if reaches > 1.0 {
+            return Err(BlobError::BoundingField { most: reaches });
+        }
+        parts.push(field);
+        let style = remember(&mut self.styles, style);
+        let parts = self.list(&parts);
+        self.push(Draft::Bounded { style, parts }, bounds, most[0].max(most[1]))
+    }
+
+    /// A part moved, turned, scaled or sheared.
+    ///
+    /// # Errors
+    /// A map that is not finite, or singular: its inverse does not exist, or stretches by more than 100,000 times its least
+    /// stretch; a node that has been used or is of another builder.
+    pub fn warp(&mut self, part: Node, map: Affine3A) -> Result<Node, BlobError> {
+        let part = self.take(Operator::Union, [part])?[0];
+        let warp = Warp::new(map).ok_or_else(|| BlobError::Singular { map: Box::new(map) })?;
+        let Entry { bounds, most, .. } = self.entries[part as usize];
+        let bounds = warp.forth(bounds);
+        let number = self.warps.len() as u32;
+        self.warps.push(warp);
+        self.push(Draft::Warp { warp: number, part }, bounds, most)
+    }
+
+    /// The finished tree, of all that `root` is made of. O(n).
+    ///
+    /// # Errors
+    /// A root whose field is nowhere 1/2, so that there is no surface; warps of warps that are
+    /// [singular](Self::warp) together; a node that has been used or is of another builder.
+    pub fn finish(mut self, root: Node) -> Result<BlobTree, BlobError> {
+        let root = self.take(Operator::Union, [root])?[0];
+        let Entry { bounds, most, .. } = self.entries[root as usize];
+        if bounds.is_empty() || most < super::field::ISO {
+            return Err(BlobError::Empty { most: if bounds.is_empty() { 0.0 } else { most } });
+        }
+        Scene::new(&self, root).map(BlobTree::new)
+    }
+
+    /// Marks nodes as used.
+    fn take(&mut self, by: Operator, nodes: impl IntoIterator<Item = Node>) -> Result<Vec<u32>, BlobError> {
+        let mut numbers = Vec::new();
+        for Node(number) in nodes {
+            match self.entries.get_mut(number as usize) {
+                Some(entry) if !entry.taken => entry.taken = true,
+                _ => return Err(BlobError::Stranger { node: number }),
+            }
+            numbers.push(number);
+        }
+        if numbers.len() < by.least_parts() {
+            let (least, parts) = (by.least_parts(), numbers.len());
+            return Err(BlobError::TooFewParts { operator: by.name(), least, parts });
+        }
+        Ok(numbers)
+    }
+
+    /// Near parts together, halving at the middle of the longest side: then a box holds little.
+    fn group(&mut self, operator: u32, parts: &mut [u32]) -> Result<Node, BlobError> {
+        if parts.len() <= GROUP {
+            return self.push_combined(operator, parts);
+        }
+        let middle = |part: &u32| self.entries[*part as usize].bounds.center();
+        let size = Bounds::of(parts.iter().map(middle)).size();
+        let axis = if size.x >= size.max_element() {
+            0
+        } else if size.y >= size.z {
+            1
+        } else {
+            2
+        };
+        let half = parts.len() / 2;
+        parts.select_nth_unstable_by(half, |a, b| middle(a)[axis].total_cmp(&middle(b)[axis]).then(a.cmp(b)));
+        let (before, after) = parts.split_at_mut(half);
+        let halves = [self.group(operator, before)?.0, self.group(operator, after)?.0];
+        self.push_combined(operator, &halves)
+    }
+
+    fn push_combined(&mut self, operator: u32, parts: &[u32]) -> Result<Node, BlobError> {
+        if let ([part], true) = (parts, self.operators[operator as usize].ignores_nothing()) {
+            self.entries[*part as usize].taken = false;
+            return Ok(Node(*part));
+        }
+        let operator_itself = self.operators[operator as usize];
+        let (most, bounds) = (self.most(operator_itself, parts), operator_itself.bounds(&self.boxes(parts)));
+        let parts = self.list(parts);
+        self.push(Draft::Combine { operator, parts }, bounds, most)
+    }
+
+    /// The greatest value of parts together.
+    fn most(&self, operator: Operator, parts: &[u32]) -> f32 {
+        let most = parts.iter().map(|&part| self.entries[part as usize].most);
+        let ranges: Vec<Range> = most.map(|most| Range { least: 0.0, most, slope: 0.0 }).collect();
+        operator.range(&ranges).most
+    }
+
+    fn boxes(&self, parts: &[u32]) -> Vec<Bounds> {
+        parts.iter().map(|&part| self.entries[part as usize].bounds).collect()
+    }
+
+    fn list(&mut self, parts: &[u32]) -> [u32; 2] {
+        let start = self.parts.len() as u32;
+        self.parts.extend(parts);
+        [start, self.parts.len() as u32]
+    }
+
+    fn push(&mut self, draft: Draft, bounds: Bounds, most: f32) -> Result<Node, BlobError> {
+        if self.entries.len() >= u32::MAX as usize / 4 {
+            return Err(BlobError::TooLarge { nodes: self.entries.len() });
+        }
+        self.entries.push(Entry { draft, bounds, most, taken: false });
+        Ok(Node(self.entries.len() as u32 - 1))
+    }
+}
+
+/// The number of a value in a list, where it is one of the latest; added otherwise.
+fn remember<T: PartialEq + Copy>(list: &mut Vec<T>, value: T) -> u32 {
+    let latest = list.len().saturating_sub(8);
+    let known = list[latest..].iter().rposition(|known| *known == value).map(|i| latest + i);
+    known.unwrap_or_else(|| {
+        list.push(value);
+        list.len() - 1
+    }) as u32
+}
+
+impl Draft {
+    /// Its parts, in the order of evaluation.
+    pub(super) fn parts<'a>(&'a self, lists: &'a [u32]) -> &'a [u32] {
+        match self {
+            Self::Leaf(_) => &[],
+            Self::Combine { parts: [start, end], .. } | Self::Bounded { parts: [start, end], .. } => {
+                &lists[*start as usize..*end as usize]
+            }
+            Self::Warp { part, .. } => std::slice::from_ref(part),
+        }
+    }
+
+    /// What is evaluated once the parts are; `None` for what only changes where its parts are.
+    pub(super) fn kind(&self, leaf: u32) -> Option<Kind> {
+        match *self {
+            Self::Leaf(_) => Some(Kind::Leaf(leaf)),
+            Self::Combine { operator, parts: [start, end] } => {
+                Some(Kind::Combine { operator, parts: end - start })
+            }
+            Self::Bounded { style, parts: [start, end] } => {
+                Some(Kind::Bounded { style, parts: end - start - 1 })
+            }
+            Self::Warp { .. } => None,
+        }
+    }
+}

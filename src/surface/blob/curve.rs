@@ -1,0 +1,146 @@
+//! Curves with a thickness, as cone segments.
+
+use super::error::BlobError;
+use super::primitive::Primitive;
+use super::{BARK, FieldFunction};
+use crate::{ParameterError, math};
+use glam::Vec3;
+
+/// Most cone segments between two points.
+const MOST_PARTS: f32 = 64.0;
+/// Cosine of the sharpest turn that is rounded, 120°; at a sharper one the curve has a corner.
+const SHARPEST_TURN: f32 = -0.5;
+
+/// A smooth curve through points, of a radius interpolated between them: a skeletal primitive made of cone segments.
+///
+/// Between two points lies the cubic Hermite curve with the tangents of Catmull and Rom 1974 for points at their chords'
+/// lengths, each as long as the chord. Cone segments follow it so finely that none turns by more than
+/// [`with_turn`](Self::with_turn) against the next.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Curve {
+    points: Vec<Vec3>,
+    radii: Vec<f32>,
+    tangents: [Option<Vec3>; 2],
+    turn: f32,
+    field: FieldFunction,
+    strength: f32,
+    colour: [f32; 3],
+}
+
+impl Curve {
+    /// Through `points` (metres), with the radius of each, metres. A single point is a ball.
+    pub fn new(points: Vec<Vec3>, radii: Vec<f32>) -> Self {
+        let (field, strength) = (FieldFunction::default(), 1.0);
+        Self { points, radii, tangents: [None; 2], turn: 0.15, field, strength, colour: BARK }
+    }
+
+    /// The directions at both ends, where they are not to be found from the points: of any length above zero.
+    pub fn with_tangents(mut self, start: Option<Vec3>, end: Option<Vec3>) -> Self {
+        self.tangents = [start, end];
+        self
+    }
+
+    /// The greatest turn between two cone segments, radians, 0.01 to 3; default 0.15.
+    pub fn with_turn(mut self, radians: f32) -> Self {
+        self.turn = radians;
+        self
+    }
+
+    /// The field function; see [`Primitive::with_field`].
+    pub fn with_field(mut self, field: FieldFunction) -> Self {
+        self.field = field;
+        self
+    }
+
+    /// A factor of the field, 0 to 1; see [`Primitive::with_strength`].
+    pub fn with_strength(mut self, strength: f32) -> Self {
+        self.strength = strength;
+        self
+    }
+
+    /// The linear RGB colour, each 0 to 1.
+    pub fn with_colour(mut self, linear: [f32; 3]) -> Self {
+        self.colour = linear;
+        self
+    }
+
+    /// The cone segments, one after another. Ends that are not finite are left for them to refuse.
+    pub(super) fn primitives(&self) -> Result<Vec<Primitive>, BlobError> {
+        let (points, radii) = (self.points.len(), self.radii.len());
+        if points == 0 || points != radii {
+            return Err(BlobError::Curve { points, radii });
+        }
+        let holds = (0.01..=3.0).contains(&self.turn);
+        ParameterError::unless(holds, "Curve.turn", self.turn, "0.01 to 3")?;
+        for tangent in self.tangents.into_iter().flatten() {
+            let holds = tangent.try_normalize().is_some();
+            ParameterError::unless(holds, "Curve.tangents", tangent, "finite and not zero")?;
+        }
+        let knots: Vec<_> = self.knots();
+        let cone = |ends, radii| {
+            Primitive::cone(ends, radii)
+                .with_field(self.field)
+                .with_strength(self.strength)
+                .with_colour(self.colour)
+        };
+        if knots.len() == 1 {
+            return Ok(vec![cone([knots[0].0; 2], [knots[0].1; 2])]);
+        }
+        let ways: Vec<Vec3> = knots.windows(2).map(|pair| pair[1].0 - pair[0].0).collect();
+        let mut cones = Vec::with_capacity(ways.len());
+        for (i, pair) in knots.windows(2).enumerate() {
+            let [(from, start), (to, end)] = [pair[0], pair[1]];
+            let [way, before, after] =
+                [Some(ways[i]), i.checked_sub(1).map(|i| ways[i]), ways.get(i + 1).copied()]
+                    .map(Option::unwrap_or_default);
+            let leaving = if i == 0 { self.tangents[0].unwrap_or(way) } else { tangent(before, way, way) };
+            let arriving =
+                if i + 1 == ways.len() { self.tangents[1].unwrap_or(way) } else { tangent(way, after, way) };
+            let turn = math::angle_between(leaving, way) + math::angle_between(way, arriving);
+            let parts = (turn / self.turn).ceil().clamp(1.0, MOST_PARTS) as u32;
+            let length = way.length();
+            let slopes = [leaving.normalize_or_zero() * length, arriving.normalize_or_zero() * length];
+            let at = |k: u32| {
+                let t = k as f32 / parts as f32;
+                // The Hermite polynomials.
+                let (back, square) = (1.0 - t, t * t);
+                let point = from * ((1.0 + 2.0 * t) * back * back)
+                    + to * (square * (3.0 - 2.0 * t))
+                    + slopes[0] * (t * back * back)
+                    - slopes[1] * (square * back);
+                let point = if k == 0 {
+                    from
+                } else if k == parts {
+                    to
+                } else {
+                    point
+                };
+                (point, start + (end - start) * t)
+            };
+            for k in 0..parts {
+                let [(from, start), (to, end)] = [at(k), at(k + 1)];
+                cones.push(cone([from, to], [start, end]));
+            }
+        }
+        Ok(cones)
+    }
+
+    /// Points with their radii, without those that are where the one before is.
+    fn knots(&self) -> Vec<(Vec3, f32)> {
+        let mut knots: Vec<(Vec3, f32)> = Vec::with_capacity(self.points.len());
+        for (&point, &radius) in self.points.iter().zip(&self.radii) {
+            match knots.last_mut() {
+                Some(last) if last.0 == point => last.1 = last.1.max(radius),
+                _ => knots.push((point, radius)),
+            }
+        }
+        knots
+    }
+}
+
+/// The tangent between two ways, or along the one at hand where they turn back.
+fn tangent(before: Vec3, after: Vec3, way: Vec3) -> Vec3 {
+    let [a, b] = [before.length(), after.length()];
+    let (first, second) = (before.normalize_or_zero(), after.normalize_or_zero());
+    if first.dot(second) < SHARPEST_TURN { way } else { (first * b + second * a).normalize_or(way) }
+}

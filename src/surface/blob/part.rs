@@ -1,0 +1,268 @@
+//! What counts of a [`BlobTree`] within a cube.
+
+use super::BlobTree;
+use super::Operator::{Contact, Difference, Intersection, Pressed, Sum, SuperElliptic, Union};
+use super::field::ISO;
+use super::primitive::Range;
+use super::scene::{Kind, Scene};
+use crate::Bounds;
+use crate::surface::implicit::solid::{Coverage, Part, Solid};
+use glam::Vec3;
+use smallvec::SmallVec;
+use std::sync::Arc;
+
+/// How much finer than its parts a place is where they press on each other.
+const CREASE: f32 = 0.25;
+/// A bounding field up to this makes no feature to speak of.
+const FAINT: f32 = 0.05;
+
+/// What counts of a [`BlobTree`] within a box: fast to evaluate at many points of it, and the same there to the bit.
+///
+/// Outside of the box its values mean nothing.
+#[derive(Debug, Clone)]
+pub struct BlobPart {
+    scene: Arc<Scene>,
+    steps: Box<[Kind]>,
+    slope: f32,
+    detail: f32,
+}
+
+impl BlobPart {
+    /// As [`BlobTree::value`], at a point of the box.
+    pub fn value(&self, point: Vec3) -> f32 {
+        self.scene.value(self.steps.iter().copied(), point)
+    }
+
+    /// As [`BlobTree::gradient`], at a point of the box.
+    pub fn gradient(&self, point: Vec3) -> (f32, Vec3) {
+        self.scene.gradient(self.steps.iter().copied(), point)
+    }
+
+    /// As [`BlobTree::colour`], at a point of the box.
+    pub fn colour(&self, point: Vec3) -> [f32; 3] {
+        self.scene.colour(self.steps.iter().copied(), point)
+    }
+
+    /// The number of primitives and operators that count.
+    pub fn len(&self) -> usize {
+        self.steps.len()
+    }
+
+    /// Whether nothing counts: all values are -1/2.
+    pub fn is_empty(&self) -> bool {
+        matches!(*self.steps, [] | [Kind::Nothing])
+    }
+
+    /// No value in the box changes by more than this a metre.
+    pub fn lipschitz(&self) -> f32 {
+        self.slope
+    }
+}
+
+impl Part for BlobPart {
+    fn value(&self, point: Vec3) -> f32 {
+        self.value(point)
+    }
+
+    fn gradient(&self, point: Vec3) -> (f32, Vec3) {
+        self.gradient(point)
+    }
+
+    fn colour(&self, point: Vec3) -> [f32; 3] {
+        self.colour(point)
+    }
+
+    fn detail(&self) -> f32 {
+        self.detail
+    }
+
+    fn lipschitz(&self) -> f32 {
+        self.lipschitz()
+    }
+}
+
+impl Solid for BlobTree {
+    type Part = BlobPart;
+
+    fn bounds(&self) -> Bounds {
+        self.bounds()
+    }
+
+    fn part(&self, of: Option<&BlobPart>, cube: Bounds) -> Coverage<BlobPart> {
+        let (part, range) = self.prune(of, cube);
+        match range {
+            Range { most, .. } if most < ISO => Coverage::Outside,
+            Range { least, .. } if least > ISO => Coverage::Inside,
+            _ => Coverage::Crossed(part),
+        }
+    }
+}
+
+/// What becomes of a step.
+#[derive(Debug, Clone, Copy)]
+struct Fate {
+    /// The first of the steps that make its part.
+    start: u32,
+    range: Range,
+    detail: f32,
+    /// What is done in its place; `None` if its only part of note does for it.
+    step: Option<Kind>,
+    /// Whether what it is a part of needs it.
+    needed: bool,
+}
+
+impl Fate {
+    fn nothing(start: u32) -> Self {
+        let (range, step) = (Range::NOTHING, Some(Kind::Nothing));
+        Self { start, range, detail: f32::INFINITY, step, needed: false }
+    }
+}
+
+impl BlobTree {
+    /// What counts in a box, and what values there may be.
+    pub(super) fn prune(&self, of: Option<&BlobPart>, cube: Bounds) -> (BlobPart, Range) {
+        let scene = &self.scene;
+        let mut gathered = Vec::new();
+        let steps = of.map_or_else(
+            || {
+                scene.backwards(|bounds| !bounds.intersection(cube).is_empty(), |step| gathered.push(step));
+                gathered.reverse();
+                &gathered[..]
+            },
+            |part| &part.steps,
+        );
+        let (middle, half) = (cube.center(), cube.size() * 0.5);
+        let ball = (middle, half.length() * 1.000_01);
+        let mut fates: Vec<Fate> = Vec::with_capacity(steps.len());
+        // The last steps of parts that wait.
+        let mut waiting: Vec<u32> = Vec::new();
+        for (i, &step) in steps.iter().enumerate() {
+            let count = match step {
+                Kind::Nothing | Kind::Leaf(_) => 0,
+                Kind::Combine { parts, .. } => parts as usize,
+                Kind::Bounded { parts, .. } => parts as usize + 1,
+            };
+            let parts = waiting.len() - count;
+            let start = waiting.get(parts).map_or(i as u32, |&first| fates[first as usize].start);
+            let fate = match step {
+                Kind::Nothing => Fate::nothing(start),
+                Kind::Leaf(number) => {
+                    let (range, detail) = scene.range(number, ball.0, ball.1);
+                    if range.is_nothing() {
+                        Fate::nothing(start)
+                    } else {
+                        Fate { start, range, detail, step: Some(step), needed: false }
+                    }
+                }
+                Kind::Combine { operator, .. } => {
+                    scene.combined(operator, start, &waiting[parts..], &mut fates)
+                }
+                Kind::Bounded { style, .. } => scene.bounded(style, start, &waiting[parts..], &mut fates),
+            };
+            waiting.truncate(parts);
+            waiting.push(i as u32);
+            fates.push(fate);
+        }
+        let (range, detail) =
+            fates.last().map_or((Range::NOTHING, f32::INFINITY), |fate| (fate.range, fate.detail));
+        let part =
+            BlobPart { scene: scene.clone(), steps: survivors(&mut fates), slope: range.slope, detail };
+        (part, range)
+    }
+}
+
+/// The steps that are needed, in their order.
+fn survivors(fates: &mut [Fate]) -> Box<[Kind]> {
+    let mut steps = Vec::new();
+    if let Some(root) = fates.last_mut() {
+        root.needed = true;
+    }
+    let mut i = fates.len();
+    while i > 0 {
+        i -= 1;
+        let fate = fates[i];
+        if fate.needed {
+            steps.extend(fate.step);
+        }
+        if !fate.needed || fate.step == Some(Kind::Nothing) {
+            i = fate.start as usize;
+        }
+    }
+    steps.reverse();
+    steps.into_boxed_slice()
+}
+
+impl Scene {
+    /// What becomes of an operator; marks the parts it needs.
+    fn combined(&self, number: u32, start: u32, parts: &[u32], fates: &mut [Fate]) -> Fate {
+        let operator = self.operators[number as usize];
+        let ranges: SmallVec<[Range; 8]> = parts.iter().map(|&part| fates[part as usize].range).collect();
+        let felt = |i: &usize| !ranges[*i].is_nothing();
+        let all = || 0..parts.len();
+        let best = |f: fn(&Range) -> f32, better: fn(f32, f32) -> f32| ranges.iter().map(f).reduce(better);
+        let keep: SmallVec<[usize; 8]> = match operator {
+            Sum | SuperElliptic(_) | Contact(_) => all().filter(felt).collect(),
+            Union => {
+                let least = best(|range| range.least, f32::max).unwrap_or_default();
+                all().filter(|i| felt(i) && ranges[*i].most >= least).collect()
+            }
+            Intersection => {
+                if !all().all(|i| felt(&i)) {
+                    return Fate::nothing(start);
+                }
+                let most = best(|range| range.most, f32::min).unwrap_or_default();
+                all().filter(|i| ranges[*i].least <= most).collect()
+            }
+            Difference if !felt(&0) => return Fate::nothing(start),
+            Difference | Pressed(_) => all().filter(|i| *i == 0 || felt(i)).collect(),
+        };
+        if keep.is_empty() || !keep.iter().any(felt) {
+            return Fate::nothing(start);
+        }
+        for &i in &keep {
+            fates[parts[i] as usize].needed = true;
+        }
+        let kept: SmallVec<[Range; 8]> = keep.iter().map(|&i| ranges[i]).collect();
+        let range = operator.range(&kept);
+        let detail = keep.iter().map(|&i| fates[parts[i] as usize].detail).fold(f32::INFINITY, f32::min);
+        // A difference cuts off what exceeds 1.
+        let alone = keep.len() == 1 && (operator != Difference || kept[0].most <= 1.0);
+        let parts = keep.len() as u32;
+        let step = (!alone).then_some(Kind::Combine { operator: number, parts });
+        let detail = if !alone && operator.is_contact() { detail * CREASE } else { detail };
+        Fate { start, range, detail, step, needed: false }
+    }
+
+    /// What becomes of a bounded blend; marks the parts it needs.
+    fn bounded(&self, number: u32, start: u32, parts: &[u32], fates: &mut [Fate]) -> Fate {
+        let style = &self.styles[number as usize];
+        let (&field, parts) = parts.split_last().unwrap_or((&0, parts));
+        let bounding = fates[field as usize].range;
+        if bounding.is_nothing() {
+            return self.combined(self.outside(number), start, parts, fates);
+        }
+        if bounding.least >= 1.0 && style.has_no_colour() {
+            return self.combined(self.inside(number), start, parts, fates);
+        }
+        let ignores = style.ignores_nothing();
+        let ranges = parts.iter().map(|&part| fates[part as usize].range);
+        let keep: SmallVec<[(u32, Range); 8]> =
+            parts.iter().copied().zip(ranges).filter(|(_, range)| !ignores || !range.is_nothing()).collect();
+        if keep.iter().all(|(_, range)| range.is_nothing()) && ignores {
+            return Fate::nothing(start);
+        }
+        let detail = keep.iter().map(|(part, _)| fates[*part as usize].detail).fold(f32::INFINITY, f32::min);
+        for (part, _) in &keep {
+            fates[*part as usize].needed = true;
+        }
+        if let ([(_, range)], true) = (&keep[..], ignores) {
+            return Fate { start, range: *range, detail, step: None, needed: false };
+        }
+        fates[field as usize].needed = true;
+        let kept: SmallVec<[Range; 8]> = keep.iter().map(|(_, range)| *range).collect();
+        let creases = style.has_contact() && bounding.most > FAINT;
+        let step = Some(Kind::Bounded { style: number, parts: keep.len() as u32 });
+        let detail = if creases { detail * CREASE } else { detail };
+        Fate { start, range: style.range(&kept, bounding), detail, step, needed: false }
+    }
+}

@@ -1,0 +1,344 @@
+//! The skin of a tree: smooth along and between its branches, with scars and ridges that age.
+
+use super::error::BlobError;
+use super::field::FieldFunction;
+use super::{BARK, BlobTree, BlobTreeBuilder, Bounded, Contact, Curve, Node, Operator, Primitive};
+use crate::skeleton::Branches;
+use crate::{ParameterError, Skeleton};
+use glam::Vec3;
+
+/// A scar fainter than this is none.
+const FAINTEST: f32 = 0.01;
+/// The least sine of the angle between a lateral and its bearer that is told from 0.
+const LEAST_SINE: f32 = 0.35;
+
+/// The skin of a whole tree as a [`BlobTree`]: section 3.2 of Galbraith, Mündermann and Wyvill 2004.
+///
+/// Each year's shoot is a [`Curve`]; the shoots of an axis are joined end to end, and laterals are summed to their bearer, so
+/// that all is smooth. Where two years' shoots meet, precise contact takes the place of that within a bounding field: the
+/// ring of the bud scale scar, which fades as the junction ages. Where a lateral leaves its bearer there is contact too: around
+/// its whole base at first, the bud scale scar of the lateral; with age the bounding field moves into the axil, where the
+/// contact stays as the branch bark ridge and the rest of the base becomes smooth. Both are darkened as far as their bounding
+/// field is felt.
+///
+/// The year in which a shoot grew is that of its nodes in [`Skeleton::stages`]; so any skeleton can wear it, and ages as its
+/// synthesizer counts. Kinks of coarse skeletons are rounded; [`Skeleton::relaxed`] takes them out first.
+///
+/// ```
+/// use treesynth::{Skeleton, glam::Vec3, surface::blob::Skin};
+///
+/// let fork = Skeleton::new(vec![Vec3::ZERO, Vec3::Y, Vec3::Y * 2.0, Vec3::new(1.0, 2.0, 0.0)], vec![None, Some(0), Some(1), Some(1)])?
+///     .with_radii(vec![0.1, 0.09, 0.07, 0.05])?
+///     .with_stages(vec![0, 0, 1, 1])?;
+/// let bark = Skin::default().with_age(4.0).blob_tree(&fork)?;
+/// assert!(bark.value(Vec3::Y * 0.5) > 0.0 && bark.value(Vec3::X) < 0.0);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Debug, Clone, PartialEq)]
+pub struct Skin {
+    age: Option<f32>,
+    blend: f32,
+    turn: f32,
+    bulge: f32,
+    scars: f32,
+    ridges: f32,
+    scar_years: f32,
+    ridge_years: f32,
+    bark: [f32; 3],
+    mark: [f32; 3],
+}
+
+impl Default for Skin {
+    /// As old as the last stage and one year; blends half a radius wide; scars and ridges of full strength, bulge 2; scars
+    /// gone, ridges formed after 10 years (figure 7); grey brown bark, blackened where it meets.
+    fn default() -> Self {
+        let (age, blend, turn, bulge) = (None, 0.5, 0.2, 2.0);
+        let (scars, ridges, scar_years, ridge_years) = (1.0, 1.0, 10.0, 10.0);
+        Self {
+            age,
+            blend,
+            turn,
+            bulge,
+            scars,
+            ridges,
+            scar_years,
+            ridge_years,
+            bark: BARK,
+            mark: [0.012, 0.01, 0.008],
+        }
+    }
+}
+
+impl Skin {
+    /// The age of the tree in years, 0 to 100,000; default the last stage and one. A junction is as old as the tree less the
+    /// stage of its younger shoot, or 0.
+    pub fn with_age(mut self, years: f32) -> Self {
+        self.age = Some(years);
+        self
+    }
+
+    /// How far fields reach beyond the surface, in radii, and so how wide fillets are: 0.01 to 1; default 0.5.
+    pub fn with_blend(mut self, radii: f32) -> Self {
+        self.blend = radii;
+        self
+    }
+
+    /// The greatest turn of a surface between two cone segments, radians, 0.01 to 3; default 0.2.
+    pub fn with_turn(mut self, radians: f32) -> Self {
+        self.turn = radians;
+        self
+    }
+
+    /// How high bark rises where it meets, 0 to 3; default 2; see [`Contact::with_bulge`].
+    pub fn with_bulge(mut self, bulge: f32) -> Self {
+        self.bulge = bulge;
+        self
+    }
+
+    /// The strength of bud scale scars along axes when they are a year old, 0 to 1; default 1.
+    pub fn with_scars(mut self, strength: f32) -> Self {
+        self.scars = strength;
+        self
+    }
+
+    /// The strength of laterals' scars and bark ridges, 0 to 1; default 1.
+    pub fn with_ridges(mut self, strength: f32) -> Self {
+        self.ridges = strength;
+        self
+    }
+
+    /// After how many years the scars of axes are gone, above 1, to 100,000; default 10.
+    pub fn with_scar_years(mut self, years: f32) -> Self {
+        self.scar_years = years;
+        self
+    }
+
+    /// After how many years the scar of a lateral has become a ridge, above 0, to 100,000; default 10.
+    pub fn with_ridge_years(mut self, years: f32) -> Self {
+        self.ridge_years = years;
+        self
+    }
+
+    /// The linear RGB colour of the bark, each 0 to 1; default a grey brown.
+    pub fn with_bark(mut self, linear: [f32; 3]) -> Self {
+        self.bark = linear;
+        self
+    }
+
+    /// The linear RGB colour of scars and ridges, each 0 to 1; default nearly black.
+    pub fn with_mark(mut self, linear: [f32; 3]) -> Self {
+        self.mark = linear;
+        self
+    }
+
+    fn check(&self) -> Result<(), ParameterError> {
+        let age = self.age.unwrap_or_default();
+        ParameterError::unless((0.0..=1e5).contains(&age), "Skin.age", age, "0 to 100,000 years")?;
+        ParameterError::unless((0.01..=1.0).contains(&self.blend), "Skin.blend", self.blend, "0.01 to 1")?;
+        ParameterError::unless((0.01..=3.0).contains(&self.turn), "Skin.turn", self.turn, "0.01 to 3")?;
+        ParameterError::unless((0.0..=3.0).contains(&self.bulge), "Skin.bulge", self.bulge, "0 to 3")?;
+        ParameterError::unless((0.0..=1.0).contains(&self.scars), "Skin.scars", self.scars, "0 to 1")?;
+        ParameterError::unless((0.0..=1.0).contains(&self.ridges), "Skin.ridges", self.ridges, "0 to 1")?;
+        let holds = self.scar_years > 1.0 && self.scar_years <= 1e5;
+        ParameterError::unless(holds, "Skin.scar_years", self.scar_years, "above 1, to 100,000")?;
+        let holds = self.ridge_years > 0.0 && self.ridge_years <= 1e5;
+        ParameterError::unless(holds, "Skin.ridge_years", self.ridge_years, "above 0, to 100,000")?;
+        for (name, colour) in [("Skin.bark", self.bark), ("Skin.mark", self.mark)] {
+            let holds = colour.iter().all(|channel| (0.0..=1.0).contains(channel));
+            ParameterError::unless(holds, name, colour, "0 to 1 each")?;
+        }
+        Ok(())
+    }
+
+    /// The skin of a skeleton. O(n log n) in its nodes.
+    ///
+    /// # Errors
+    /// An option out of its range; a node whose radius is 0 or above 1e9 m, or whose place is beyond a million
+    /// kilometres. The root's radius may be 0.
+    pub fn blob_tree(&self, skeleton: &Skeleton) -> Result<BlobTree, BlobError> {
+        self.check()?;
+        let root_alone = skeleton.segments() == 0;
+        for (node, &radius) in skeleton.radii().iter().enumerate() {
+            if !(1e-9..=1e9).contains(&radius) && (node > 0 || root_alone || radius > 0.0) {
+                return Err(BlobError::Radius { node, radius });
+            }
+        }
+        let last = skeleton.stages().iter().copied().max().unwrap_or_default();
+        let age = self.age.unwrap_or(f32::from(last) + 1.0);
+        let branches = skeleton.branches();
+        let mut tailor = Tailor { skin: self, skeleton, age, builder: BlobTreeBuilder::default() };
+        let bearers = bearers(skeleton, &branches);
+        // Bearers come first, so backwards laterals are ready before they are needed.
+        let mut done: Vec<Option<Node>> = branches.iter().map(|_| None).collect();
+        let mut borne: Vec<Vec<u32>> = vec![Vec::new(); branches.len()];
+        let all: Vec<_> = branches.iter().collect();
+        for (number, branch) in all.iter().enumerate().rev() {
+            let nodes = branch.nodes();
+            let mut node = tailor.axis(nodes, number == 0)?;
+            for &lateral in borne[number].iter().rev() {
+                let Some(part) = done[lateral as usize].take() else { continue };
+                node = tailor.fork(node, part, all[lateral as usize].nodes(), nodes)?;
+            }
+            done[number] = Some(node);
+            if let Some(bearer) = bearers[number] {
+                borne[bearer as usize].push(number as u32);
+            }
+        }
+        match done.first_mut().and_then(Option::take) {
+            Some(root) => tailor.builder.finish(root),
+            None => Err(BlobError::Empty { most: 0.0 }),
+        }
+    }
+}
+
+/// The branch that bears each branch; `None` for the trunk.
+fn bearers(skeleton: &Skeleton, branches: &Branches) -> Vec<Option<u32>> {
+    let mut home = vec![0u32; skeleton.len()];
+    for (number, branch) in branches.iter().enumerate() {
+        let own = usize::from(number > 0);
+        for &node in &branch.nodes()[own..] {
+            home[node as usize] = number as u32;
+        }
+    }
+    let bearer = |(number, branch): (usize, crate::skeleton::Branch<'_>)| {
+        (number > 0).then(|| home[branch.nodes()[0] as usize])
+    };
+    branches.iter().enumerate().map(bearer).collect()
+}
+
+/// Makes the parts of one skin.
+struct Tailor<'a> {
+    skin: &'a Skin,
+    skeleton: &'a Skeleton,
+    age: f32,
+    builder: BlobTreeBuilder,
+}
+
+impl Tailor<'_> {
+    fn position(&self, node: u32) -> Vec3 {
+        self.skeleton.positions()[node as usize]
+    }
+
+    fn radius(&self, node: u32) -> f32 {
+        self.skeleton.radii()[node as usize]
+    }
+
+    /// How many years ago a node's shoot grew.
+    fn age_of(&self, node: u32) -> f32 {
+        (self.age - f32::from(self.skeleton.stages()[node as usize])).max(0.0)
+    }
+
+    /// The shoots of an axis, end to end, with a scar between any two.
+    fn axis(&mut self, nodes: &[u32], is_trunk: bool) -> Result<Node, BlobError> {
+        let stage = |i: usize| self.skeleton.stages()[nodes[i] as usize];
+        // The first node belongs to the bearer, with its radius.
+        let own = is_trunk && (nodes.len() == 1 || self.radius(nodes[0]) > 0.0);
+        let first = if own { nodes[0] } else { nodes[1] };
+        let radius = |i: usize| self.radius(if i == 0 { first } else { nodes[i] });
+        let ways: Vec<Vec3> =
+            nodes.windows(2).map(|pair| self.position(pair[1]) - self.position(pair[0])).collect();
+        let ends: Vec<usize> =
+            (1..nodes.len().saturating_sub(1)).filter(|&i| stage(i) != stage(i + 1)).collect();
+        let starts = std::iter::once(0).chain(ends.iter().copied());
+        let stops = ends.iter().copied().chain([nodes.len() - 1]);
+        let tangent = |i: usize| {
+            let [before, after] = [ways[i - 1], ways[i]].map(Vec3::normalize_or_zero);
+            (before + after).try_normalize()
+        };
+        let joint = |i: usize| (i > 0 && i + 1 < nodes.len()).then(|| tangent(i)).flatten();
+        let mut curves = Vec::with_capacity(ends.len() + 1);
+        for (start, stop) in starts.zip(stops) {
+            let points = nodes[start..=stop].iter().map(|&node| self.position(node)).collect();
+            let curve = Curve::new(points, (start..=stop).map(radius).collect())
+                .with_tangents(joint(start), joint(stop))
+                .with_turn(self.skin.turn)
+                .with_field(FieldFunction::Smooth { width: self.skin.blend })
+                .with_colour(self.skin.bark);
+            curves.push(curve);
+        }
+        let mut joints: Vec<u32> = ends.iter().map(|&i| nodes[i]).collect();
+        let mut ages: Vec<f32> = ends.iter().map(|&i| self.age_of(nodes[i + 1])).collect();
+        let mut shoots = Vec::with_capacity(curves.len());
+        for curve in &curves {
+            shoots.push(self.builder.curve(curve)?);
+        }
+        // In pairs, then pairs of pairs, so that boxes stay small.
+        while shoots.len() > 1 {
+            let count = shoots.len();
+            let mut rest = std::mem::take(&mut shoots).into_iter();
+            let mut at = 0;
+            while let Some(shoot) = rest.next() {
+                let pair = match rest.next() {
+                    Some(next) => self.scar(shoot, next, joints[at], ages[at])?,
+                    None => shoot,
+                };
+                shoots.push(pair);
+                at += 2;
+            }
+            // Every second junction is between pairs.
+            let left = |i: &usize| i % 2 == 1;
+            joints = (0..count - 1).filter(left).map(|i| joints[i]).collect();
+            ages = (0..count - 1).filter(left).map(|i| ages[i]).collect();
+        }
+        shoots.pop().ok_or(BlobError::Empty { most: 0.0 })
+    }
+
+    /// Two shoots of an axis with a bud scale scar between them.
+    fn scar(&mut self, shoot: Node, next: Node, joint: u32, age: f32) -> Result<Node, BlobError> {
+        let skin = self.skin;
+        let strength = skin.scars * (1.0 - smooth((age - 1.0) / (skin.scar_years - 1.0)));
+        if strength < FAINTEST {
+            return self.builder.union([shoot, next]);
+        }
+        let bounding = Primitive::point(self.position(joint), self.radius(joint) * 1.6)
+            .with_field(FieldFunction::Bounding { inner: 0.66 })
+            .with_strength(strength);
+        let field = self.builder.add(bounding)?;
+        let style = Bounded::new(self.pressed(), Operator::Union).with_colour(skin.mark);
+        self.builder.bounded([shoot, next], style, field)
+    }
+
+    /// A lateral on its bearer, with a scar around its base or a ridge in its axil.
+    fn fork(&mut self, bearer: Node, lateral: Node, nodes: &[u32], axis: &[u32]) -> Result<Node, BlobError> {
+        let skin = self.skin;
+        if skin.ridges < FAINTEST {
+            return self.builder.sum([bearer, lateral]);
+        }
+        let (at, first) = (nodes[0], nodes[1]);
+        let (foot, own) = (self.position(at), self.radius(first));
+        let thick = if self.radius(at) > 0.0 { self.radius(at) } else { own };
+        let out = (self.position(first) - foot).normalize_or(Vec3::Y);
+        let along = self.direction(at, axis).unwrap_or(out);
+        let cosine = along.dot(out);
+        let sine = (1.0 - cosine * cosine).max(0.0).sqrt().max(LEAST_SINE);
+        // Where the lateral's axis and its upper side leave the bearer.
+        let upper = (along - out * cosine).normalize_or(along);
+        let base = foot + out * (thick / sine);
+        let axil = foot + out * ((thick + own * cosine.max(0.0)) / sine) + upper * own;
+        let old = smooth(self.age_of(first) / skin.ridge_years);
+        let lerp = |young: f32, aged: f32| young + (aged - young) * old;
+        let bounding = Primitive::point(base.lerp(axil, old), own * lerp(1.7 / sine, 2.6))
+            .with_field(FieldFunction::Bounding { inner: lerp(0.7, 0.4) })
+            .with_strength(skin.ridges);
+        let field = self.builder.add(bounding)?;
+        let style = Bounded::new(self.pressed(), Operator::Sum).with_colour(skin.mark);
+        self.builder.bounded([bearer, lateral], style, field)
+    }
+
+    /// Where an axis goes on at a node, or comes from at its tip.
+    fn direction(&self, at: u32, axis: &[u32]) -> Option<Vec3> {
+        let i = axis.iter().position(|&node| node == at)?;
+        let [from, to] = [axis[i.saturating_sub(1)], axis[(i + 1).min(axis.len() - 1)]];
+        (self.position(to) - self.position(from)).try_normalize()
+    }
+
+    fn pressed(&self) -> Operator {
+        Operator::Contact(Contact::default().with_bulge(self.skin.bulge))
+    }
+}
+
+/// From 0 to 1 as t does, level at both ends.
+fn smooth(t: f32) -> f32 {
+    let t = t.clamp(0.0, 1.0);
+    t * t * (3.0 - 2.0 * t)
+}
