@@ -5,6 +5,7 @@
 //! | [`Tubes`] | a smooth tube along each branch, with a collar where it leaves what bears it: fast, exact radii |
 //! | [`Levels`] | the same in several levels of detail, each of at most half the triangles of the one before |
 //! | [`Implicit`] | one closed, watertight mesh of the whole tree, its branches blended into each other |
+//! | [`Polygonizer`] | one closed mesh of any [`BlobTree`](blob::BlobTree), with its colours |
 //! | [`Capsules`] | branches as [`Capsule`]s, for collisions |
 //!
 //! [`Skeleton::relaxed`](crate::Skeleton::relaxed) takes the kinks out of a skeleton first. Meshes are plain arrays, [`Mesh`], with
@@ -26,7 +27,7 @@ mod tube;
 mod weave;
 
 pub use capsule::{Capsule, Capsules};
-pub use implicit::Implicit;
+pub use implicit::{Implicit, Polygonizer};
 pub use level::{Level, Levels};
 pub use material::Material;
 pub use mesh::{Mesh, MeshError, Wind};

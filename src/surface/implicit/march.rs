@@ -152,7 +152,12 @@ impl<'a, P: Part> Surroundings<'a, P> {
                     case | usize::from(rows[row + offset] >> x & 3) << shift
                 });
                 if beside_smaller || !matches!(case, 0 | 255) {
-                    self.triangles_around(IVec3::new(x, row as i32 % 6, row as i32 / 6), case, crossed, indices);
+                    self.triangles_around(
+                        IVec3::new(x, row as i32 % 6, row as i32 / 6),
+                        case,
+                        crossed,
+                        indices,
+                    );
                 }
             }
         }

@@ -4,7 +4,10 @@ mod brick;
 mod case;
 mod field;
 mod march;
+mod polygonizer;
 pub(crate) mod solid;
+
+pub use polygonizer::Polygonizer;
 
 use super::{Mesh, SurfaceError};
 use crate::{ParameterError, Skeleton};
