@@ -1,17 +1,179 @@
 //! The watertight surface of a tree: milliseconds on one thread and on two, beside a plain copy of the mesh, and memory's
-//! main part.
+//! main part; the same of a `BlobTree`; and one piece beside `fast-surface-nets` on an array.
 
 mod measure;
 
+use criterion::{BenchmarkGroup, measurement::WallTime};
+use fast_surface_nets::ndshape::{RuntimeShape, Shape};
+use fast_surface_nets::{SurfaceNetsBuffer, surface_nets};
+
 use measure::{PRESET, SEED, Samples, count, number, print_table};
 use rayon::ThreadPoolBuilder;
-use treesynth::surface::Implicit;
+use treesynth::Skeleton;
+use treesynth::glam::Vec3;
+use treesynth::self_organizing::{Habit, SelfOrganizing, ShadowPropagation};
+use treesynth::surface::blob::Skin;
+use treesynth::surface::{Implicit, Polygonizer};
 
 /// Nodes of the graph: as many as give about 17,000 segments.
 const NODES: usize = 1_000_000;
 /// What is wanted of 21,000 segments on two threads, milliseconds. Time grows with the segments.
 const GOAL: f64 = 5000.0;
 const GOAL_SEGMENTS: f64 = 21_000.0;
+
+/// Metamers of the tree that wears a skin: about 150,000 primitives.
+const METAMERS: usize = 160_000;
+/// What is wanted of 150,000 primitives at the detail of a lattice of 1024 along each side, milliseconds; and what the paper
+/// took on a Pentium IV.
+const BLOB_GOAL: f64 = 20_000.0;
+const BLOB_PAPER: f64 = 350_000.0;
+
+/// The piece that is made on an array too: voxels along each side, the side of one, and the radius of its rod, metres.
+const ARRAY: u32 = 192;
+const VOXEL: f32 = 0.01;
+const ROD: f32 = 0.06;
+
+/// A rod that goes to and fro.
+fn rod() -> Vec<Vec3> {
+    let [low, high] = [0.1, ARRAY as f32 * VOXEL - 0.1];
+    (0..24u16)
+        .map(|i| {
+            let side = |bit: u16| if i >> bit & 1 == 0 { low } else { high };
+            let rise = low + (high - low) * f32::from(i) / 23.0;
+            Vec3::new(side(0), rise, side(1))
+        })
+        .collect()
+}
+
+/// How far from the rod's surface each middle of a voxel is, in voxels.
+fn samples_of(rod: &[Vec3], shape: &RuntimeShape<u32, 3>) -> Vec<f32> {
+    let distance = |point: Vec3, from: Vec3, to: Vec3| {
+        let way = to - from;
+        let t = ((point - from).dot(way) / way.length_squared()).clamp(0.0, 1.0);
+        point.distance_squared(from + way * t)
+    };
+    (0..shape.size())
+        .map(|i| {
+            let point = Vec3::from_array(shape.delinearize(i).map(|x| x as f32 * VOXEL));
+            let nearest =
+                rod.windows(2).map(|pair| distance(point, pair[0], pair[1])).fold(f32::MAX, f32::min);
+            (nearest.sqrt() - ROD) / VOXEL
+        })
+        .collect()
+}
+
+/// One rod of voxels of one size: ours from the skeleton on, theirs from an array of samples on, and with sampling.
+fn beside_an_array(group: &mut BenchmarkGroup<'_, WallTime>, samples: &mut Samples) {
+    let rod = rod();
+    let parents = (0..rod.len() as u32).map(|i| i.checked_sub(1)).collect();
+    let skeleton = Skeleton::new(rod.clone(), parents).expect("a chain");
+    let skeleton = skeleton.with_radii(vec![ROD; rod.len()]).expect("sound");
+    let ours = Implicit::default().with_voxel(VOXEL).with_detail(ROD / VOXEL);
+    let alone = ThreadPoolBuilder::new().num_threads(1).build().expect("a thread can be started");
+    let mesh = ours.mesh(&skeleton).expect("a surface");
+    group.bench_function("rod/treesynth", |bencher| {
+        samples.time(bencher, "rod/treesynth", || alone.install(|| ours.mesh(&skeleton)));
+    });
+    let shape = RuntimeShape::<u32, 3>::new([ARRAY; 3]);
+    let array = samples_of(&rod, &shape);
+    let nets = |array: &[f32]| {
+        let mut buffer = SurfaceNetsBuffer::default();
+        surface_nets(array, &shape, [0; 3], [ARRAY - 1; 3], &mut buffer);
+        buffer
+    };
+    let theirs = nets(&array);
+    group.bench_function("rod/nets", |bencher| samples.time(bencher, "rod/nets", || nets(&array)));
+    group.bench_function("rod/sampled nets", |bencher| {
+        samples.time(bencher, "rod/sampled nets", || nets(&samples_of(&rod, &shape)));
+    });
+    let Some(own) = samples.median("rod/treesynth") else { return };
+    let each = |time: f64, triangles: usize| time * 1e6 / triangles as f64;
+    let triangles = mesh.triangles().len();
+    let mut rows = vec![vec![
+        "treesynth, from the skeleton on".to_owned(),
+        number(own),
+        count(triangles),
+        number(each(own, triangles)),
+        String::new(),
+    ]];
+    let peers =
+        [("fast-surface-nets, samples there", "rod/nets"), ("the same, sampling too", "rod/sampled nets")];
+    for (name, what) in peers {
+        let Some(time) = samples.median(what) else { continue };
+        let their = theirs.indices.len() / 3;
+        let ratio = each(own, triangles) / each(time, their);
+        rows.push(vec![
+            name.to_owned(),
+            number(time),
+            count(their),
+            number(each(time, their)),
+            number(ratio),
+        ]);
+    }
+    print_table(
+        &format!("A rod within {ARRAY} voxels along each side, one thread:"),
+        &["", "ms", "triangles", "ns a triangle", "ours / theirs"],
+        &rows,
+    );
+}
+
+/// The skin of a big tree, as polygons.
+fn of_a_blob_tree(
+    group: &mut BenchmarkGroup<'_, WallTime>,
+    samples: &mut Samples,
+    pools: &[rayon::ThreadPool],
+) {
+    let mut tree =
+        SelfOrganizing::new(ShadowPropagation::default().with_falloff(1.5f32.sqrt()), Habit::default(), SEED);
+    let metamers = measure::size(METAMERS, 2_000);
+    while tree.metamers() < metamers && tree.season() < 60 {
+        tree.step().expect("no limit is near");
+    }
+    let skin = Skin::default().blob_tree(&tree.skeleton().expect("a tree")).expect("a skin");
+    let longest = skin.bounds().size().max_element();
+    let mut rows = Vec::new();
+    for detail in [1024, measure::size(4096, 512)] {
+        let name = format!("blob tree/{detail}");
+        let surface = Polygonizer::default().with_voxel(longest / detail as f32).with_most_blocks(20_000_000);
+        let mesh = surface.mesh(&skin).expect("a surface");
+        let (vertices, triangles) = (mesh.positions.len(), mesh.triangles().len());
+        drop(mesh);
+        for (pool, threads) in pools.iter().zip(1..) {
+            let name = format!("{name}/{threads}");
+            group.bench_function(&name, |bencher| {
+                samples.time(bencher, &name, || pool.install(|| surface.mesh(&skin)));
+            });
+        }
+        let median = |threads: usize| samples.median(&format!("{name}/{threads}"));
+        let (Some(one), Some(two)) = (median(1), median(2)) else { continue };
+        rows.push(vec![
+            format!("longest side / {detail}"),
+            number(one),
+            number(two),
+            number(two / BLOB_GOAL),
+            number(two / BLOB_PAPER),
+            count(vertices),
+            count(triangles),
+        ]);
+    }
+    print_table(
+        &format!(
+            "A skin of {} primitives and {} operators:",
+            count(skin.primitives()),
+            count(skin.operators())
+        ),
+        &[
+            "finest voxel",
+            "one thread, ms",
+            "two, ms",
+            "two / goal",
+            "two / paper's",
+            "vertices",
+            "triangles",
+        ],
+        &rows,
+    );
+}
 
 fn main() {
     let mut criterion = measure::criterion();
@@ -58,6 +220,8 @@ fn main() {
             ]);
         }
     }
+    beside_an_array(&mut group, &mut samples);
+    of_a_blob_tree(&mut group, &mut samples, &pools);
     group.finish();
     criterion.final_summary();
     print_table(

@@ -11,7 +11,8 @@ use treesynth::preview::Preview;
 use treesynth::surface::Part;
 
 /// The formats of `--format`.
-pub(crate) const FORMATS: [&str; 8] = ["glb", "nodes.glb", "obj", "ply", "stl", "svg", "png", "json"];
+pub(crate) const FORMATS: [&str; 9] =
+    ["glb", "nodes.glb", "obj", "ply", "stl", "svg", "png", "json", "relaxed.json"];
 
 /// Writes the tree into a folder in one of the [`FORMATS`].
 pub(crate) fn write(

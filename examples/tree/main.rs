@@ -7,12 +7,12 @@ mod options;
 mod stats;
 mod watch;
 
-use options::Options;
+use options::{Options, Surface};
 use std::fs;
 use std::time::Instant;
 use treesynth::foliage::Leaves;
 use treesynth::guided::Search;
-use treesynth::surface::{Mesh, Part, Tubes};
+use treesynth::surface::{Implicit, Mesh, Part, Tubes};
 use treesynth::{Metrics, presets};
 
 type Failure = Box<dyn std::error::Error>;
@@ -53,7 +53,10 @@ fn run(options: &Options) -> Result<(), Failure> {
     let relaxed = skeleton.relaxed(0.5, 3)?;
     let mut bark = Mesh::default();
     step("mesh", &mut || {
-        bark = Tubes::default().mesh(&relaxed)?;
+        bark = match options.surface {
+            Surface::Tubes => Tubes::default().mesh(&relaxed)?,
+            Surface::Implicit => Implicit::default().with_detail(options.detail).mesh(&relaxed)?,
+        };
         Ok(())
     })?;
     let mut leaves = None;
@@ -65,6 +68,7 @@ fn run(options: &Options) -> Result<(), Failure> {
     let bark = Part::new(&bark).with_material(preset.bark());
     let parts: Vec<_> = [bark].into_iter().chain(leaves.as_ref().map(Leaves::part)).collect();
     for format in &options.formats {
+        let skeleton = if format == "relaxed.json" { &relaxed } else { skeleton };
         step(format, &mut || files::write(format, &options.out, preset, skeleton, &parts))?;
     }
 

@@ -15,13 +15,23 @@ cargo run --release --example tree -- [OPTIONS]
   --seed N        the seed                                     [the preset's]
   --nodes N       nodes of the graph                           [150000]
   --season TIME   winter (no leaves), summer or autumn         [summer]
+  --surface KIND  tubes, with collars, or implicit: one closed mesh  [tubes]
+  --detail N      voxels a radius of the closed mesh, 0.867 to 64    [1]
   --format LIST   of glb, nodes.glb (leaves as nodes, for what knows no
-                  instances), obj, ply, stl, svg, png, json    [glb,png,json]
+                  instances), obj, ply, stl, svg, png, json, relaxed.json
+                  (the skeleton of the surface)                [glb,png,json]
   --threads N     threads for the graph, at least 1            [all]
   --out DIR       where files go; made if it is not there      [out]
   --stats FILE    figures as JSON: sizes, milliseconds of each step, peak
                   memory, metrics
   --help          this text";
+
+/// Which surface the branches get.
+#[derive(Debug, Clone, Copy)]
+pub(crate) enum Surface {
+    Tubes,
+    Implicit,
+}
 
 /// What to grow and where to put it.
 pub(crate) struct Options {
@@ -29,6 +39,8 @@ pub(crate) struct Options {
     pub(crate) seed: Option<u64>,
     pub(crate) nodes: usize,
     pub(crate) season: Season,
+    pub(crate) surface: Surface,
+    pub(crate) detail: f32,
     pub(crate) formats: Vec<String>,
     pub(crate) threads: Option<usize>,
     pub(crate) out: PathBuf,
@@ -43,6 +55,8 @@ impl Options {
             seed: None,
             nodes: TYPICAL_NODES,
             season: Season::Summer,
+            surface: Surface::Tubes,
+            detail: 1.0,
             formats: ["glb", "png", "json"].map(String::from).to_vec(),
             threads: None,
             out: "out".into(),
@@ -55,6 +69,8 @@ impl Options {
                 Long("seed") => options.seed = Some(arguments.value()?.parse()?),
                 Long("nodes") => options.nodes = arguments.value()?.parse()?,
                 Long("season") => options.season = season(&arguments.value()?.string()?)?,
+                Long("surface") => options.surface = surface(&arguments.value()?.string()?)?,
+                Long("detail") => options.detail = arguments.value()?.parse()?,
                 Long("format") => {
                     options.formats = arguments.value()?.string()?.split(',').map(String::from).collect();
                     if let Some(other) = options.formats.iter().find(|f| !FORMATS.contains(&f.as_str())) {
@@ -85,6 +101,14 @@ impl Options {
             }
         }
         Ok(Some(options))
+    }
+}
+
+fn surface(name: &str) -> Result<Surface, String> {
+    match name {
+        "tubes" => Ok(Surface::Tubes),
+        "implicit" => Ok(Surface::Implicit),
+        _ => Err(format!("--surface is {name:?}, but must be tubes or implicit")),
     }
 }
 

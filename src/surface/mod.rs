@@ -6,6 +6,7 @@
 //! | [`Levels`] | the same in several levels of detail, each of at most half the triangles of the one before |
 //! | [`Implicit`] | one closed, watertight mesh of the whole tree, its branches blended into each other |
 //! | [`blob`] | any solid of primitives and operators, a `BlobTree`; [`Skin`](blob::Skin): a tree's, with scars and ridges that age |
+//! | [`Polygonizer`] | one closed mesh of any [`BlobTree`](blob::BlobTree), with its colours |
 //! | [`Capsules`] | branches as [`Capsule`]s, for collisions |
 //!
 //! [`Skeleton::relaxed`](crate::Skeleton::relaxed) takes the kinks out of a skeleton first. Meshes are plain arrays, [`Mesh`], with
@@ -27,8 +28,8 @@ mod tube;
 mod weave;
 
 pub use capsule::{Capsule, Capsules};
-pub use implicit::Implicit;
 pub(crate) use implicit::solid;
+pub use implicit::{Implicit, Polygonizer};
 pub use level::{Level, Levels};
 pub use material::Material;
 pub use mesh::{Mesh, MeshError, Wind};

@@ -257,9 +257,27 @@ impl<P: Part> Bricks<P> {
 
     /// What is in each of the 3 · 3 · 3 places around a cube, itself in the middle.
     pub(super) fn around(&self, corner: IVec3, level: u8) -> [Place; 27] {
+        let offset = |i: usize| IVec3::new(i as i32 % 3, i as i32 / 3 % 3, i as i32 / 9);
+        if level == self.top {
+            let beside = |i| self.find(corner + ((offset(i) - 1) << i32::from(level + 2)), level);
+            return std::array::from_fn(beside);
+        }
+        // They lie in eight cubes of twice the size.
+        let first: IVec3 = (corner >> i32::from(level + 2)) - 1;
+        let parents: [Found; 8] = std::array::from_fn(|i| {
+            let offset = IVec3::new(i as i32 & 1, i as i32 >> 1 & 1, i as i32 >> 2);
+            self.reach(((first >> 1) + offset) << i32::from(level + 3), level + 1)
+        });
         std::array::from_fn(|i| {
-            let offset = IVec3::new(i as i32 % 3, i as i32 / 3 % 3, i as i32 / 9) - 1;
-            self.find(corner + (offset << i32::from(level + 2)), level)
+            let place: IVec3 = (first & 1) + offset(i);
+            let (parent, child): (IVec3, IVec3) = (place >> 1, place & 1);
+            let child = (child.x | child.y << 1 | child.z << 2) as usize;
+            match parents[(parent.x | parent.y << 1 | parent.z << 2) as usize] {
+                Found { node: Node::Inner(first), level: at } if at == level + 1 => {
+                    place_of(Found { node: self.nodes[first as usize + child], level }, level)
+                }
+                found => place_of(found, level),
+            }
         })
     }
 
@@ -288,24 +306,40 @@ impl<P: Part> Bricks<P> {
 
     /// What is at a corner that blocks of that level can have.
     pub(super) fn find(&self, corner: IVec3, level: u8) -> Place {
-        let most = 4i64 << self.top;
-        if corner.to_array().iter().any(|&x| x < 0 || i64::from(x) >= most) {
-            return Place::Empty(false);
+        place_of(self.reach(corner, level), level)
+    }
+
+    /// The node at a corner that cubes of that level can have, or the larger leaf there.
+    fn reach(&self, corner: IVec3, level: u8) -> Found {
+        let outside = corner.to_array().into_iter().fold(0, |outside, x| outside | x >> (self.top + 2));
+        if outside != 0 {
+            return Found { node: Node::Empty(false), level };
         }
-        let (mut node, mut at) = (self.nodes[0], self.top);
-        loop {
-            match node {
-                Node::Empty(inside) => return Place::Empty(inside),
-                Node::Brick(brick) if at == level => return Place::Same(brick),
-                Node::Brick(brick) => return Place::Larger(brick),
-                Node::Inner(_) if at == level => return Place::Smaller,
-                Node::Inner(first) => {
-                    at -= 1;
-                    let bits = (corner >> i32::from(at + 2)) & 1;
-                    node = self.nodes[first as usize + (bits.x | bits.y << 1 | bits.z << 2) as usize];
-                }
-            }
+        let mut found = Found { node: self.nodes[0], level: self.top };
+        while let Node::Inner(first) = found.node
+            && found.level > level
+        {
+            found.level -= 1;
+            let bits = (corner >> i32::from(found.level + 2)) & 1;
+            found.node = self.nodes[first as usize + (bits.x | bits.y << 1 | bits.z << 2) as usize];
         }
+        found
+    }
+}
+
+/// A node of the octree and its level.
+#[derive(Debug, Clone, Copy)]
+struct Found {
+    node: Node,
+    level: u8,
+}
+
+fn place_of(found: Found, level: u8) -> Place {
+    match found.node {
+        Node::Empty(inside) => Place::Empty(inside),
+        Node::Brick(brick) if found.level == level => Place::Same(brick),
+        Node::Brick(brick) => Place::Larger(brick),
+        Node::Inner(_) => Place::Smaller,
     }
 }
 

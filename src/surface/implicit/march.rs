@@ -20,12 +20,14 @@ const OFF: f32 = 0.01;
 #[derive(Debug, Clone, Copy)]
 struct Crossed {
     first: u32,
+    /// How many are of the directions before.
+    before: [u16; 6],
     edges: [u64; 6],
 }
 
 impl Crossed {
     fn vertex(&self, direction: usize, cell: u32) -> u32 {
-        let before = self.edges[..direction].iter().map(|edges| edges.count_ones()).sum::<u32>();
+        let before = u32::from(self.before[direction]);
         self.first + before + (self.edges[direction] & ((1 << cell) - 1)).count_ones()
     }
 }
@@ -55,6 +57,9 @@ impl<'a, P: Part> Surroundings<'a, P> {
     /// The block and the voxel that holds this one; none where there is no block of this size or larger.
     fn holder(&self, cell: IVec3) -> Option<(u32, u32)> {
         let bits = |cell: IVec3| (cell.x | cell.y << 2 | cell.z << 4) as u32;
+        if (cell.x | cell.y | cell.z) & !3 == 0 {
+            return Some((self.number, bits(cell)));
+        }
         match self.place(cell) {
             Place::Same(number) => Some((number, bits(cell & 3))),
             Place::Larger(number) => {
@@ -132,45 +137,68 @@ impl<'a, P: Part> Surroundings<'a, P> {
     /// its size that comes before.
     fn triangles(&self, crossed: &[Crossed], indices: &mut Vec<u32>) {
         let rows = self.rows();
-        for corner in 0..125 {
-            let (x, row) = (corner % 5, corner / 5 % 5 + 6 * (corner / 25));
-            let corners = [0, 1, 6, 7].into_iter().zip([0, 2, 4, 6]);
-            let mut case = corners
-                .fold(0, |case, (offset, shift)| case | usize::from(rows[row + offset] >> x & 3) << shift);
-            let at = IVec3::new(x as i32, corner as i32 / 5 % 5, corner as i32 / 25);
-            let back = |i: u8| IVec3::new(i32::from(i & 1), i32::from(i >> 1 & 1), i32::from(i >> 2)) - 1;
-            let cell = |i: u8| at + back(i);
-            if at.cmpeq(IVec3::ZERO).any() || at.cmpeq(IVec3::splat(4)).any() {
-                let mut theirs = false;
-                for i in 0..8 {
-                    theirs |= match self.place(cell(i)) {
-                        Place::Same(number) => number < self.number,
-                        Place::Smaller => {
-                            let at = self.brick.corner + (at << i32::from(self.brick.level)) + back(i);
-                            let leaf = self.bricks.find(at, 0);
-                            case |= usize::from(leaf == Place::Empty(true)) << i;
-                            !matches!(leaf, Place::Empty(_))
-                        }
-                        _ => false,
-                    };
-                }
-                if theirs {
-                    continue;
+        let beside_smaller = self.places.contains(&Place::Smaller);
+        for row in 0..25 {
+            let row = row % 5 + 6 * (row / 5);
+            let (any, all) = [1, 6, 7]
+                .iter()
+                .fold((rows[row], rows[row]), |(any, all), i| (any | rows[row + i], all & rows[row + i]));
+            if !beside_smaller && (any == 0 || all == FULL) {
+                continue;
+            }
+            for x in 0..5 {
+                let corners = [0, 1, 6, 7].into_iter().zip([0, 2, 4, 6]);
+                let case = corners.fold(0, |case, (offset, shift)| {
+                    case | usize::from(rows[row + offset] >> x & 3) << shift
+                });
+                if beside_smaller || !matches!(case, 0 | 255) {
+                    self.triangles_around(
+                        IVec3::new(x, row as i32 % 6, row as i32 / 6),
+                        case,
+                        crossed,
+                        indices,
+                    );
                 }
             }
-            for triangle in &CASES[case] {
-                let corners = triangle.map(|edge| {
-                    let [low, high] = EDGES[edge as usize].map(cell);
-                    self.find(crossed, edge as usize / 4, low, high)
-                });
-                // Where one voxel is several corners of the cube, edges are one and the same.
-                if let [Some(a), Some(b), Some(c)] = corners
-                    && a != b
-                    && b != c
-                    && c != a
-                {
-                    indices.extend([a, b, c]);
+        }
+    }
+
+    /// The triangles around one corner, if they are the block's own.
+    fn triangles_around(&self, at: IVec3, mut case: usize, crossed: &[Crossed], indices: &mut Vec<u32>) {
+        let back = |i: u8| IVec3::new(i32::from(i & 1), i32::from(i >> 1 & 1), i32::from(i >> 2)) - 1;
+        let cell = |i: u8| at + back(i);
+        if at.cmpeq(IVec3::ZERO).any() || at.cmpeq(IVec3::splat(4)).any() {
+            for i in 0..8 {
+                let theirs = match self.place(cell(i)) {
+                    Place::Same(number) => number < self.number,
+                    Place::Smaller => {
+                        let at = self.brick.corner + (at << i32::from(self.brick.level)) + back(i);
+                        let leaf = self.bricks.find(at, 0);
+                        case |= usize::from(leaf == Place::Empty(true)) << i;
+                        !matches!(leaf, Place::Empty(_))
+                    }
+                    _ => false,
+                };
+                if theirs {
+                    return;
                 }
+            }
+        }
+        let mut found = [None; 12];
+        for (edge, found) in found.iter_mut().enumerate() {
+            let [low, high] = EDGES[edge];
+            if (case >> low ^ case >> high) & 1 == 1 {
+                *found = self.find(crossed, edge / 4, cell(low), cell(high));
+            }
+        }
+        for triangle in &CASES[case] {
+            // Where one voxel is several corners of the cube, edges are one and the same.
+            if let [Some(a), Some(b), Some(c)] = triangle.map(|edge| found[edge as usize])
+                && a != b
+                && b != c
+                && c != a
+            {
+                indices.extend([a, b, c]);
             }
         }
     }
@@ -178,8 +206,11 @@ impl<'a, P: Part> Surroundings<'a, P> {
     /// Which voxels are inside, this block's and one more on each side: a bit each along x, rows along y, then z.
     fn rows(&self) -> [u8; 36] {
         let mut rows = [0; 36];
+        for row in 0..16 {
+            rows[7 + row % 4 + 6 * (row / 4)] = ((self.brick.inside >> (4 * row) & 0xf) << 1) as u8;
+        }
         for (i, place) in self.places.iter().enumerate() {
-            if matches!(place, Place::Empty(false) | Place::Smaller) {
+            if i == 13 || matches!(place, Place::Empty(false) | Place::Smaller) {
                 continue;
             }
             let range = |block: usize| [-1..0, 0..4, 4..5][block].clone();
@@ -205,6 +236,8 @@ impl<'a, P: Part> Surroundings<'a, P> {
     }
 }
 
+/// A row of six voxels that are all inside.
+const FULL: u8 = 0x3f;
 /// The voxels on a block's lower side along x, y, z.
 const FIRST: [u64; 3] = [0x1111_1111_1111_1111, 0x000f_000f_000f_000f, 0xffff];
 
@@ -218,9 +251,9 @@ fn bits(mut left: u64) -> impl Iterator<Item = u32> {
 }
 
 /// The surface between the voxels of blocks, with the solid's colours if they are wanted.
-pub(super) fn march<P: Part>(bricks: &Bricks<P>, colored: bool) -> Result<Mesh, SurfaceError> {
+pub(super) fn march<P: Part>(mut bricks: Bricks<P>, colored: bool) -> Result<Mesh, SurfaceError> {
     let count = bricks.leaves.len();
-    let edges = parallel::map(count, |number| Surroundings::new(bricks, number as u32).crossed());
+    let edges = parallel::map(count, |number| Surroundings::new(&bricks, number as u32).crossed());
     let vertices = edges.iter().flatten().map(|edges| edges.count_ones() as usize).sum();
     if vertices > u32::MAX as usize {
         return Err(SurfaceError::TooLarge { vertices });
@@ -229,8 +262,11 @@ pub(super) fn march<P: Part>(bricks: &Bricks<P>, colored: bool) -> Result<Mesh, 
     let crossed: Vec<_> = edges
         .into_iter()
         .map(|edges| {
-            let here = Crossed { first, edges };
-            first += edges.iter().map(|edges| edges.count_ones()).sum::<u32>();
+            let mut here = Crossed { first, before: [0; 6], edges };
+            for (edges, before) in edges.iter().zip(&mut here.before) {
+                *before = (first - here.first) as u16;
+                first += edges.count_ones();
+            }
             here
         })
         .collect();
@@ -238,8 +274,6 @@ pub(super) fn march<P: Part>(bricks: &Bricks<P>, colored: bool) -> Result<Mesh, 
     mesh.positions.reserve_exact(vertices);
     mesh.normals.reserve_exact(vertices);
     mesh.colors.reserve_exact(if colored { vertices } else { 0 });
-    // Closed surfaces have two triangles a vertex, less four a body and plus four a handle, of which there are few.
-    mesh.indices.reserve_exact(6 * vertices + vertices / 32);
     in_groups(
         count,
         |number, part: &mut Mesh| {
@@ -247,7 +281,7 @@ pub(super) fn march<P: Part>(bricks: &Bricks<P>, colored: bool) -> Result<Mesh, 
             if edges == [0; 6] {
                 return;
             }
-            let around = Surroundings::new(bricks, number);
+            let around = Surroundings::new(&bricks, number);
             let values = bricks.sample(number as usize);
             for (direction, edges) in edges.into_iter().enumerate() {
                 for cell in bits(edges) {
@@ -265,9 +299,13 @@ pub(super) fn march<P: Part>(bricks: &Bricks<P>, colored: bool) -> Result<Mesh, 
             mesh.colors.extend(part.colors);
         },
     );
+    // What triangles do not need goes before they come.
+    bricks.parts = Vec::new();
+    // Closed surfaces have two triangles a vertex, less four a body and plus four a handle, of which there are few.
+    mesh.indices.reserve_exact(6 * vertices + vertices / 32);
     in_groups(
         count,
-        |number, indices: &mut Vec<u32>| Surroundings::new(bricks, number).triangles(&crossed, indices),
+        |number, indices: &mut Vec<u32>| Surroundings::new(&bricks, number).triangles(&crossed, indices),
         |indices| mesh.indices.extend(indices),
     );
     Ok(mesh)

@@ -4,7 +4,10 @@ mod brick;
 mod case;
 mod field;
 mod march;
+mod polygonizer;
 pub(crate) mod solid;
+
+pub use polygonizer::Polygonizer;
 
 use super::{Mesh, SurfaceError};
 use crate::{ParameterError, Skeleton};
@@ -146,7 +149,7 @@ pub(crate) fn polygonize(
     most_blocks: usize,
     colored: bool,
 ) -> Result<Mesh, SurfaceError> {
-    march::march(&Bricks::new(solid, voxel, most_blocks)?, colored)
+    march::march(Bricks::new(solid, voxel, most_blocks)?, colored)
 }
 
 #[cfg(test)]
