@@ -49,7 +49,7 @@ const BARK: [f32; 3] = [0.16, 0.118, 0.088];
 /// An implicit solid: primitives joined by operators; see the [module](self).
 ///
 /// Evaluation skips every part whose box does not hold the point, so its cost follows what is near; for many
-/// points near one another a [part](Self::part) is faster still. About 110 bytes a primitive and 50 an operator.
+/// points near one another a [part](Self::part) is faster still. About 104 bytes a primitive and 40 an operator.
 /// Cloning is cheap.
 #[derive(Debug, Clone)]
 pub struct BlobTree {
