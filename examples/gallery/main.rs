@@ -2,6 +2,7 @@
 //!
 //!     cargo run --release --example gallery -- [--nodes N] [--out DIR] [--size PIXELS] [--only TEXT]
 
+mod growth;
 mod plane;
 mod shapes;
 mod stands;
@@ -80,6 +81,7 @@ fn main() -> Result<(), Failure> {
         let sheet = Picture::sheet(&pictures, 5, 6, [255, 255, 255])?;
         write(&options.out.join("sheet-stands.png"), &sheet)?;
     }
+    growth::draw_all(&options)?;
     shapes::draw_all(&options)
 }
 

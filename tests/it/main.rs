@@ -8,6 +8,8 @@ mod bad_input;
 mod exports;
 mod figures;
 mod foliage;
+#[cfg(feature = "json")]
+mod growth;
 #[cfg(feature = "testing")]
 mod invariants;
 mod layers;
