@@ -371,7 +371,7 @@ struct Path<'a> {
     length: f32,
     /// By its length alone, without that of a twig, metres.
     base_radius: f32,
-    /// s_θ of equation 8.
+    /// `s_θ` of equation 8.
     share: f32,
     /// Where laterals begin to count about the branch, radians.
     turn: f64,

@@ -82,7 +82,7 @@ impl Phenology {
         self
     }
 
-    /// G_l: the length of leaves, metres, 0 to 100, over the relative position on the shoot.
+    /// `G_l`: the length of leaves, metres, 0 to 100, over the relative position on the shoot.
     pub fn with_leaf_size(mut self, curve: Curve) -> Self {
         self.leaf_size = curve;
         self

@@ -13,9 +13,9 @@ use std::f32::consts::TAU;
 /// ```
 /// use treesynth::growth::{Curve, Species};
 ///
-/// let pollard = Species::default().with_height(Curve::new([[0.0, 0.0], [0.2, 2.0], [1.0, 2.5]])?);
-/// assert!(pollard.check().is_ok());
-/// assert!(pollard.with_years(0).check().is_err());
+/// let pollard = Species::default().`with_height(Curve`::new([[0.0, 0.0], [0.2, 2.0], [1.0, 2.5]])?);
+/// assert!(pollard.check().`is_ok())`;
+/// assert!(pollard.`with_years(0)`.check().`is_err())`;
 /// # Ok::<(), treesynth::ParameterError>(())
 /// ```
 #[derive(Debug, Clone, PartialEq)]
@@ -47,26 +47,26 @@ pub struct Species {
 }
 
 impl Species {
-    /// The greatest age, y_max, years, 1 to 1000.
+    /// The greatest age, `y_max`, years, 1 to 1000.
     pub fn with_years(mut self, years: u16) -> Self {
         self.years = years;
         self
     }
 
-    /// The length by which every branch grows every year at least, l_min, metres, 0.0001 to 10.
+    /// The length by which every branch grows every year at least, `l_min`, metres, 0.0001 to 10.
     pub fn with_least_shoot(mut self, metres: f32) -> Self {
         self.least_shoot = metres;
         self
     }
 
-    /// The length from which on a branch takes the [long heading](Self::with_long_heading) alone, l_max, metres, 0.001 to
+    /// The length from which on a branch takes the [long heading](Self::with_long_heading) alone, `l_max`, metres, 0.001 to
     /// 10,000.
     pub fn with_longest_branch(mut self, metres: f32) -> Self {
         self.longest_branch = metres;
         self
     }
 
-    /// The scale below which there is no branch, s_min, 0 to 1.
+    /// The scale below which there is no branch, `s_min`, 0 to 1.
     pub fn with_least_scale(mut self, scale: f32) -> Self {
         self.least_scale = scale;
         self
@@ -119,60 +119,60 @@ impl Species {
         self
     }
 
-    /// G_h: the length of the trunk, metres, 0 to 1000, over the greatest age. In each year it grows at least by the
+    /// `G_h`: the length of the trunk, metres, 0 to 1000, over the greatest age. In each year it grows at least by the
     /// [least shoot](Self::with_least_shoot).
     pub fn with_height(mut self, curve: Curve) -> Self {
         self.height = curve;
         self
     }
 
-    /// G_s1: how long branches are beside the bearing branch, 0 to 10, over their relative position on it, when the
+    /// `G_s1`: how long branches are beside the bearing branch, 0 to 10, over their relative position on it, when the
     /// tree is young.
     pub fn with_young_silhouette(mut self, curve: Curve) -> Self {
         self.young_silhouette = curve;
         self
     }
 
-    /// G_s2: the same when the tree has reached its greatest age; linear in time in between.
+    /// `G_s2`: the same when the tree has reached its greatest age; linear in time in between.
     pub fn with_mature_silhouette(mut self, curve: Curve) -> Self {
         self.mature_silhouette = curve;
         self
     }
 
-    /// G_o1: the angle between the places of a very short branch and its first heading, radians, -2.5 to 2.5, positive
+    /// `G_o1`: the angle between the places of a very short branch and its first heading, radians, -2.5 to 2.5, positive
     /// towards the bearing branch, over the relative position on the branch.
     pub fn with_short_heading(mut self, curve: Curve) -> Self {
         self.short_heading = curve;
         self
     }
 
-    /// G_o2: the same for branches of the [greatest length](Self::with_longest_branch). Below zero first and above then,
+    /// `G_o2`: the same for branches of the [greatest length](Self::with_longest_branch). Below zero first and above then,
     /// it gives limbs an S.
     pub fn with_long_heading(mut self, curve: Curve) -> Self {
         self.long_heading = curve;
         self
     }
 
-    /// G_bs: the scale of branches, 0 to 1, over the relative position on the bearing branch at the greatest age.
+    /// `G_bs`: the scale of branches, 0 to 1, over the relative position on the bearing branch at the greatest age.
     pub fn with_branch_scale(mut self, curve: Curve) -> Self {
         self.branch_scale = curve;
         self
     }
 
-    /// G_a: the age at which a branch is lost, years, 0 to 10,000, over its scale. No branch is lost in its first year.
+    /// `G_a`: the age at which a branch is lost, years, 0 to 10,000, over its scale. No branch is lost in its first year.
     pub fn with_lifespan(mut self, curve: Curve) -> Self {
         self.lifespan = curve;
         self
     }
 
-    /// G_m: the number of metamers of a shoot, 0 to 1000, rounded and at least 1, over its length beside the longest
+    /// `G_m`: the number of metamers of a shoot, 0 to 1000, rounded and at least 1, over its length beside the longest
     /// shoot of the trunk.
     pub fn with_metamers(mut self, curve: Curve) -> Self {
         self.metamers = curve;
         self
     }
 
-    /// G_ss: the scale of branches, 0 to 1, over their relative position on the shoot that bears them.
+    /// `G_ss`: the scale of branches, 0 to 1, over their relative position on the shoot that bears them.
     pub fn with_shoot_scale(mut self, curve: Curve) -> Self {
         self.shoot_scale = curve;
         self

@@ -35,7 +35,7 @@ pub(super) struct Axis {
     pub(super) first_year: u16,
     /// The tree's age at which it is lost with all it bears; infinite for the trunk.
     pub(super) lost: f32,
-    /// s_b of equation 15.
+    /// `s_b` of equation 15.
     pub(super) scale: f32,
     /// Between it and the bearing branch, radians.
     pub(super) angle: f32,
@@ -99,7 +99,7 @@ struct Builder<'a> {
     species: &'a Species,
     seed: u64,
     most_nodes: u32,
-    /// l_smax: the longest shoot of the trunk.
+    /// `l_smax`: the longest shoot of the trunk.
     longest_shoot: f32,
     axes: Vec<Axis>,
     shoots: Vec<Shoot>,
@@ -145,7 +145,7 @@ impl<'a> Builder<'a> {
         builder
     }
 
-    /// t_y: the year as a part of the greatest age.
+    /// `t_y`: the year as a part of the greatest age.
     fn time(&self, year: u16) -> f32 {
         f32::from(year) / f32::from(self.species.years)
     }
@@ -288,7 +288,7 @@ impl<'a> Builder<'a> {
         wanted
     }
 
-    /// Which of so many metamers bear the longest and the second longest lateral: those of the greatest G_ss.
+    /// Which of so many metamers bear the longest and the second longest lateral: those of the greatest `G_ss`.
     fn longest(&mut self, metamers: u32) -> [u32; 2] {
         let known = metamers as usize;
         if self.longest.len() <= known {
