@@ -15,10 +15,10 @@ impl Leaves {
     /// use treesynth::growth::{Growth, Species};
     ///
     /// let tree = Growth::new(Species::cottonwood(), 1)?;
-    /// assert!(Leaves::grown(&tree.at(5.1)?, &Leaf::deltoid()).`is_empty()`, "it is winter");
+    /// assert!(Leaves::grown(&tree.at(5.1)?, &Leaf::deltoid()).is_empty(), "it is winter");
     /// let summer = tree.at(5.6)?;
     /// let leaves = Leaves::grown(&summer, &Leaf::deltoid());
-    /// `assert_eq`!(leaves.iter().map(|tone| tone.instances.len()).sum::<usize>(), summer.leaves.len());
+    /// assert_eq!(leaves.iter().map(|tone| tone.instances.len()).sum::<usize>(), summer.leaves.len());
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
     pub fn grown(stand: &Stand, leaf: &Leaf) -> Vec<Self> {

@@ -172,9 +172,7 @@ mod tests {
             assert_eq!((mesh.triangles().len(), mesh.uvs.len()), (triangles, mesh.positions.len()));
             let bounds = mesh.bounds().expect("there are vertices");
             assert!((bounds.max.y - 1.0).abs() < 1e-6 && bounds.min.y > -0.4, "{bounds:?}");
-            assert!(
-                mesh.uvs.iter().all(|uv| uv.cmpge(glam::Vec2::ZERO).all() && uv.cmple(glam::Vec2::ONE).all())
-            );
+            assert!(mesh.uvs.iter().all(|uv| uv.cmpge(Vec2::ZERO).all() && uv.cmple(Vec2::ONE).all()));
             assert!(leaf.material().is_double_sided());
         }
     }

@@ -63,13 +63,13 @@ pub enum GrowthError {
 /// ```
 /// use treesynth::growth::{Growth, Species};
 ///
-/// let tree = Growth::new(Species::default().`with_most_order(1)`, 1)?;
+/// let tree = Growth::new(Species::default().with_most_order(1), 1)?;
 /// let young = tree.at(4.5)?;
 /// let old = tree.at(9.5)?;
 /// assert!(old.skeleton.len() > young.skeleton.len());
 /// // A node is known by its number: here the top of the first year's shoot.
 /// let top = young.node(young.ids[10]).expect("it stands");
-/// `assert_eq`!(young.ids[top], old.ids[old.node(young.ids[10]).expect("it still stands")]);
+/// assert_eq!(young.ids[top], old.ids[old.node(young.ids[10]).expect("it still stands")]);
 /// # Ok::<(), treesynth::growth::GrowthError>(())
 /// ```
 #[derive(Debug, Clone)]

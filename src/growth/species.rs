@@ -13,9 +13,9 @@ use std::f32::consts::TAU;
 /// ```
 /// use treesynth::growth::{Curve, Species};
 ///
-/// let pollard = Species::default().`with_height(Curve`::new([[0.0, 0.0], [0.2, 2.0], [1.0, 2.5]])?);
-/// assert!(pollard.check().`is_ok())`;
-/// assert!(pollard.`with_years(0)`.check().`is_err())`;
+/// let pollard = Species::default().with_height(Curve::new([[0.0, 0.0], [0.2, 2.0], [1.0, 2.5]])?);
+/// assert!(pollard.check().is_ok());
+/// assert!(pollard.with_years(0).check().is_err());
 /// # Ok::<(), treesynth::ParameterError>(())
 /// ```
 #[derive(Debug, Clone, PartialEq)]

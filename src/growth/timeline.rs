@@ -23,7 +23,7 @@ use super::GrowthError;
 /// let timeline = Timeline::new(elm.clone(), 40.0)?;
 /// let young = timeline.at(10.0)?;
 /// assert!(young.len() > 1 && young.len() < elm.len());
-/// `assert_eq`!(timeline.at(40.0)?.positions(), elm.positions());
+/// assert_eq!(timeline.at(40.0)?.positions(), elm.positions());
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[derive(Debug, Clone, PartialEq)]

@@ -3,6 +3,7 @@
 use crate::sample::fnv1a;
 use proptest::prelude::*;
 use std::collections::BTreeMap;
+use std::fmt::Write as _;
 use std::sync::LazyLock;
 use treesynth::glam::Vec3;
 use treesynth::growth::{Curve, Growth, Species, Stand};
@@ -38,8 +39,7 @@ fn lengths(stand: &Stand) -> BTreeMap<u32, f32> {
 
 fn hash(stand: &Stand) -> u64 {
     let skeleton = &stand.skeleton;
-    let floats =
-        skeleton.positions().iter().flat_map(|p| p.to_array()).chain(skeleton.radii().iter().copied());
+    let floats = skeleton.positions().iter().flat_map(Vec3::to_array).chain(skeleton.radii().iter().copied());
     let leaves = stand.leaves.iter().flat_map(|leaf| {
         [leaf.position, leaf.midrib, leaf.normal, Vec3::from_array(leaf.color)].map(|v| v.to_array()).concat()
     });
@@ -53,6 +53,9 @@ fn hash(stand: &Stand) -> u64 {
     let bits = floats.chain(leaves).chain(buds).map(f32::to_bits).chain(numbers).chain(parents);
     fnv1a(bits.flat_map(u32::to_le_bytes))
 }
+
+/// Parent, stage, order and hops of a node.
+type Facts = (Option<u32>, u16, u16, u32);
 
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(16))]
@@ -135,7 +138,6 @@ proptest! {
         ages.sort_by(f32::total_cmp);
         let [first, second, third] =
             [0, 1, 2].map(|i| growth.at(ages[i] * f32::from(growth.years())).expect("a tree"));
-        type Facts = (Option<u32>, u16, u16, u32);
         let facts = |stand: &Stand| -> BTreeMap<u32, Facts> {
             let skeleton = &stand.skeleton;
             let fact = |node: usize| {
@@ -226,7 +228,7 @@ fn presets_grow_the_same_trees_as_ever() {
         let growth = preset.grow(preset.seed).expect("a tree");
         let ages = preset.ages.iter().filter(|&&age| age < 13.0);
         let hashes = ages.flat_map(|&age| hash(&growth.at(age).expect("a tree")).to_le_bytes());
-        found += &format!("{} {:016x}\n", preset.name, fnv1a(hashes));
+        writeln!(found, "{} {:016x}", preset.name, fnv1a(hashes)).expect("strings take everything");
     }
     let table = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/it/growth/pinned.txt");
     if std::env::var_os("TREESYNTH_PIN").is_some() {
