@@ -104,7 +104,7 @@ fn species_name_what_is_out_of_range() {
     let year = Phenology::default;
     let nan = f32::NAN;
     let wrong =
-        [
+        vec![
             ("Species.years is 0", species().with_years(0)),
             ("Species.years is 1001", species().with_years(1001)),
             ("Species.least_shoot", species().with_least_shoot(0.0)),
