@@ -10,8 +10,8 @@
 //!
 //! # The way through
 //!
-//! [`shape`] and [`field`] say where a tree may grow and what pulls on it; [`guided`], [`variational`] and
-//! [`self_organizing`] grow it; a [`Skeleton`] is what comes out; [`radius`] makes it thick, [`metrics`] measures it, [`surface`] makes triangles of
+//! [`shape`] and [`field`] say where a tree may grow and what pulls on it; [`guided`], [`variational`],
+//! [`self_organizing`] and [`growth`] grow it; a [`Skeleton`] is what comes out; [`radius`] makes it thick, [`metrics`] measures it, [`surface`] makes triangles of
 //! it, [`foliage`] puts leaves on it, [`export`] writes files, and
 //! [`preview`](https://docs.rs/treesynth/latest/treesynth/preview/) draws pictures. [`presets`] has the trees of the
 //! paper's figures, and stands that organize themselves, ready made.
@@ -37,7 +37,7 @@
 //! | feature | adds |
 //! |---|---|
 //! | `parallel` | graphs are built, forests grow and shapes are filled on rayon's threads; same bits |
-//! | `serde` | skeletons, metrics and forests with serde |
+//! | `serde` | skeletons, metrics, forests and species with serde |
 //! | `json` | skeletons as JSON text, `export::json`; implies `serde` |
 //! | `mint` | `From` and `Into` between [`glam`]'s vectors and `mint`'s, for users on another glam version |
 //! | `preview` | shaded PNG pictures without a GPU, `preview` |
@@ -48,6 +48,7 @@
 pub mod export;
 pub mod field;
 pub mod foliage;
+pub mod growth;
 pub mod guided;
 pub mod math;
 pub mod metrics;

@@ -75,6 +75,12 @@ pub fn srgb(linear: f32) -> f32 {
     if linear <= 0.003_130_8 { 12.92 * linear } else { 1.055 * powf(linear, 1.0 / 2.4) - 0.055 }
 }
 
+/// The linear channel of light that an sRGB channel means, both 0 to 1: the inverse of [`srgb`].
+pub fn linear(encoded: f32) -> f32 {
+    let encoded = encoded.clamp(0.0, 1.0);
+    if encoded <= 0.04045 { encoded / 12.92 } else { powf((encoded + 0.055) / 1.055, 2.4) }
+}
+
 /// A unit vector perpendicular to the unit vector `v`.
 #[inline]
 pub fn perpendicular(v: Vec3) -> Vec3 {

@@ -35,6 +35,8 @@ impl Purpose {
     pub const SHAPE_NODES: Self = Self(40);
     /// How the first branches of an axis are turned about it.
     pub const AZIMUTH: Self = Self(41);
+    /// How a tree that grows by positional information differs from the next: directions, lifespans, falling leaves.
+    pub const GROWTH: Self = Self(48);
     /// The first purpose that the crate itself never uses.
     pub const CUSTOM: Self = Self(1 << 16);
 }

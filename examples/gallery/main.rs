@@ -3,6 +3,7 @@
 //!     cargo run --release --example gallery -- [--nodes N] [--out DIR] [--size PIXELS] [--only TEXT]
 
 mod blobs;
+mod growth;
 mod plane;
 mod shapes;
 mod stands;
@@ -81,6 +82,7 @@ fn main() -> Result<(), Failure> {
         let sheet = Picture::sheet(&pictures, 5, 6, [255, 255, 255])?;
         write(&options.out.join("sheet-stands.png"), &sheet)?;
     }
+    growth::draw_all(&options)?;
     shapes::draw_all(&options)?;
     blobs::draw_all(&options)
 }

@@ -1,8 +1,10 @@
 //! What a leaf looks like.
 
 use super::sketch::{self, Blade, Sketch};
+use crate::math;
 use crate::surface::{Material, Mesh};
-use glam::Vec3;
+use glam::{Vec2, Vec3};
+use std::f32::consts::TAU;
 
 /// One leaf, or a twig with its leaves: a mesh and how it looks.
 ///
@@ -82,6 +84,32 @@ impl Leaf {
         Self::new(sketch::shoot(36))
     }
 
+    /// A bud, pointed, a third as thick as long, in the brown of its scales. 15 triangles.
+    pub fn bud() -> Self {
+        const SIDES: u32 = 5;
+        // Distance along the axis and radius of each ring; the tip follows.
+        let rings = [(0.0, 0.07), (0.35, 0.165)];
+        let (mut positions, mut normals) = (Vec::new(), Vec::new());
+        for (along, radius) in rings {
+            for side in 0..SIDES {
+                let (sin, cos) = math::sin_cos(side as f32 / SIDES as f32 * TAU);
+                positions.push(Vec3::new(radius * cos, along, radius * sin));
+                normals.push(Vec3::new(cos, 0.3, sin).normalize());
+            }
+        }
+        positions.push(Vec3::Y);
+        normals.push(Vec3::Y);
+        let mut indices = Vec::new();
+        for side in 0..SIDES {
+            let next = (side + 1) % SIDES;
+            let (low, high, tip) = ([side, next], [SIDES + side, SIDES + next], 2 * SIDES);
+            indices.extend([low[0], high[0], low[1], low[1], high[0], high[1], high[0], tip, high[1]]);
+        }
+        let uvs = positions.iter().map(|p| Vec2::new(0.5 + p.x, p.y)).collect();
+        let mesh = Mesh { uvs, ..Mesh::new(positions, normals, indices) };
+        Self::new(mesh).with_material(Material::bark().with_srgb([128, 92, 58]))
+    }
+
     fn of(blades: &[Blade<'_>]) -> Self {
         let mut sketch = Sketch::default();
         for blade in blades {
@@ -144,9 +172,7 @@ mod tests {
             assert_eq!((mesh.triangles().len(), mesh.uvs.len()), (triangles, mesh.positions.len()));
             let bounds = mesh.bounds().expect("there are vertices");
             assert!((bounds.max.y - 1.0).abs() < 1e-6 && bounds.min.y > -0.4, "{bounds:?}");
-            assert!(
-                mesh.uvs.iter().all(|uv| uv.cmpge(glam::Vec2::ZERO).all() && uv.cmple(glam::Vec2::ONE).all())
-            );
+            assert!(mesh.uvs.iter().all(|uv| uv.cmpge(Vec2::ZERO).all() && uv.cmple(Vec2::ONE).all()));
             assert!(leaf.material().is_double_sided());
         }
     }

@@ -18,6 +18,7 @@
 //! ```
 
 mod arrangement;
+mod grown;
 mod leaf;
 mod place;
 mod sketch;

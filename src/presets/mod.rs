@@ -17,6 +17,7 @@
 mod comparison;
 mod fine;
 mod graded;
+mod grown;
 mod look;
 mod organized;
 mod plane;
@@ -24,6 +25,7 @@ mod rotation;
 mod variety;
 mod volume;
 
+pub use grown::{Grown, grown, grown_by_name};
 pub use look::Season;
 pub use organized::{Stand, WALL, stand_by_name, stands};
 

@@ -1,6 +1,6 @@
 //! A skeleton read by nodes' children and by branches.
 
-use super::Skeleton;
+use super::{Skeleton, SkeletonError};
 
 /// The children of every node; see [`Skeleton::children`].
 #[derive(Debug, Clone)]
@@ -37,8 +37,8 @@ impl Children {
     }
 }
 
-/// For each node the child in which its axis goes on; itself at a tip.
-fn axis_children(skeleton: &Skeleton) -> Vec<u32> {
+/// For each node the child in which its axis goes on by stages, tips and indices; itself at a tip.
+fn dominant_children(skeleton: &Skeleton) -> Vec<u32> {
     let mut tips = vec![0u32; skeleton.len()];
     let mut axis: Vec<u32> = (0..skeleton.len() as u32).collect();
     // Backwards, so that a child's tips are counted before its parent compares it; ties go to the lower index
@@ -56,13 +56,45 @@ fn axis_children(skeleton: &Skeleton) -> Vec<u32> {
 }
 
 pub(super) fn orders(skeleton: &Skeleton) -> Vec<u16> {
-    let axis = axis_children(skeleton);
+    let axis = dominant_children(skeleton);
     let mut orders = vec![0u16; skeleton.len()];
     for (node, parent) in skeleton.edges() {
         let off_axis = axis[parent] as usize != node;
         orders[node] = orders[parent].saturating_add(u16::from(off_axis));
     }
     orders
+}
+
+/// For each node the child of its own order; itself where there is none.
+///
+/// Beyond 65,535 orders, which cannot be told apart, the last such child is as good as any.
+fn axis_children(skeleton: &Skeleton) -> Vec<u32> {
+    let mut axis: Vec<u32> = (0..skeleton.len() as u32).collect();
+    for (node, parent) in skeleton.edges() {
+        if skeleton.orders[node] == skeleton.orders[parent] {
+            axis[parent] = node as u32;
+        }
+    }
+    axis
+}
+
+pub(super) fn check_orders(skeleton: &Skeleton, orders: &[u16]) -> Result<(), SkeletonError> {
+    let wrong = |node: usize, parent: u16| SkeletonError::Order { node, order: orders[node], parent };
+    if orders[0] != 0 {
+        return Err(wrong(0, 0));
+    }
+    let mut goes_on = vec![false; skeleton.len()];
+    for (node, parent) in skeleton.edges() {
+        let (order, bearer) = (orders[node], orders[parent]);
+        let branches_off = order == bearer.saturating_add(1);
+        // The highest number stands for all beyond it.
+        let is_axis = order == bearer && order < u16::MAX;
+        if !branches_off && (!is_axis || goes_on[parent]) {
+            return Err(wrong(node, bearer));
+        }
+        goes_on[parent] |= is_axis;
+    }
+    Ok(())
 }
 
 /// One branch: a chain of nodes along one axis.

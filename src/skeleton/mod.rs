@@ -99,6 +99,19 @@ pub enum SkeletonError {
         /// Its radius, metres.
         radius: f32,
     },
+    /// Branch orders that no axes have.
+    #[error(
+        "node {node} has the order {order} on one of the order {parent}, but orders begin at 0, and each is that of its \
+         parent, for one child at most, or one more"
+    )]
+    Order {
+        /// The node.
+        node: usize,
+        /// Its order.
+        order: u16,
+        /// The order of its parent; 0 for the root.
+        parent: u16,
+    },
 }
 
 impl Skeleton {
@@ -171,6 +184,33 @@ impl Skeleton {
         Ok(self)
     }
 
+    /// Sets the branch order of each node, for a tree that knows its axes; call it after
+    /// [`with_stages`](Self::with_stages), which works orders out anew. Branches follow it: an axis goes on in the child
+    /// of its order, and ends where there is none.
+    ///
+    /// ```
+    /// use treesynth::{Skeleton, glam::Vec3};
+    ///
+    /// // The side shoot is the longer one, and bears most tips.
+    /// let nodes = [[0.0, 0.0], [0.0, 1.0], [0.0, 1.1], [0.5, 1.5], [1.0, 2.0], [1.0, 1.6]];
+    /// let nodes = nodes.map(|[x, y]| Vec3::new(x, y, 0.0)).to_vec();
+    /// let fork = Skeleton::new(nodes, vec![None, Some(0), Some(1), Some(1), Some(3), Some(3)])?;
+    /// assert_eq!(fork.orders(), [0, 0, 1, 0, 0, 1]);
+    /// let fork = fork.with_orders(vec![0, 0, 0, 1, 1, 2])?;
+    /// assert_eq!(fork.branches().iter().next().map(|trunk| trunk.nodes().len()), Some(3));
+    /// # Ok::<(), treesynth::SkeletonError>(())
+    /// ```
+    ///
+    /// # Errors
+    /// When there is not one order a node, the root's is not 0, one is neither its parent's nor one more, or two
+    /// children have their parent's.
+    pub fn with_orders(mut self, orders: Vec<u16>) -> Result<Self, SkeletonError> {
+        same_length("orders", orders.len(), self.len())?;
+        branch::check_orders(&self, &orders)?;
+        self.orders = orders;
+        Ok(self)
+    }
+
     /// Sets the hops of each node.
     ///
     /// # Errors
@@ -226,8 +266,8 @@ impl Skeleton {
 
     /// Branch order of each node (Gravelius): 0 on the trunk, one more on each branch than on its bearing axis.
     ///
-    /// At a fork the axis goes on in the child of the earliest stage, then in the one with the most tips, then
-    /// in the one of the lowest index.
+    /// Unless they were [set](Self::with_orders), the axis goes on at a fork in the child of the earliest stage, then in
+    /// the one with the most tips, then in the one of the lowest index.
     pub fn orders(&self) -> &[u16] {
         &self.orders
     }
@@ -343,12 +383,10 @@ impl TryFrom<Parts> for Skeleton {
 
     fn try_from(parts: Parts) -> Result<Self, SkeletonError> {
         let positions = parts.positions.into_iter().map(Vec3::from_array).collect();
-        let mut skeleton = Self::new(positions, parts.parents)?
+        let skeleton = Self::new(positions, parts.parents)?
             .with_radii(parts.radii)?
             .with_stages(parts.stages)?
             .with_hops(parts.hops)?;
-        same_length("orders", parts.orders.len(), skeleton.len())?;
-        skeleton.orders = parts.orders;
-        Ok(skeleton)
+        skeleton.with_orders(parts.orders)
     }
 }

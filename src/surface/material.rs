@@ -44,10 +44,7 @@ impl Material {
 
     /// The same as [`with_color`](Self::with_color), from the 8 bits a channel that colour pickers show.
     pub fn with_srgb(self, encoded: [u8; 3]) -> Self {
-        self.with_color(encoded.map(|channel| {
-            let channel = f32::from(channel) / 255.0;
-            if channel <= 0.04045 { channel / 12.92 } else { math::powf((channel + 0.055) / 1.055, 2.4) }
-        }))
+        self.with_color(encoded.map(|channel| math::linear(f32::from(channel) / 255.0)))
     }
 
     /// 0 (a mirror) to 1 (chalk).

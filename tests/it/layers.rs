@@ -10,7 +10,7 @@ const LAYERS: &[&[&str]] = &[
     &["shape", "field"],
     &["skeleton"],
     &["radius", "metrics"],
-    &["guided", "self_organizing", "variational"],
+    &["guided", "growth", "self_organizing", "variational"],
     &["surface"],
     &["foliage"],
     &["export", "preview"],

@@ -9,6 +9,8 @@ mod blob;
 mod exports;
 mod figures;
 mod foliage;
+#[cfg(feature = "json")]
+mod growth;
 #[cfg(feature = "testing")]
 mod invariants;
 mod layers;

@@ -1,0 +1,135 @@
+//! Grows a tree over the years and writes an animation, its frames, a contact sheet, and a model of any age.
+//!
+//!     cargo run --release --example growth -- --species cottonwood --age 12.5 --out out
+
+mod options;
+
+use indicatif::{ProgressBar, ProgressStyle};
+use options::Options;
+use std::fs::{self, File};
+use std::io::{BufWriter, Write};
+use std::path::Path;
+use treesynth::Bounds;
+use treesynth::export::gltf::{GlbOptions, write_glb_parts};
+use treesynth::foliage::{Leaf, Leaves};
+use treesynth::growth::Growth;
+use treesynth::presets::{self, Grown};
+use treesynth::preview::{Camera, Picture, Preview};
+use treesynth::surface::{Mesh, Part, Tubes};
+
+type Failure = Box<dyn std::error::Error>;
+
+fn main() {
+    let done = Options::from_arguments().and_then(|options| match options {
+        None => Ok(()),
+        Some(options) => run(&options),
+    });
+    if let Err(error) = done {
+        eprintln!("error: {error}");
+        std::process::exit(1);
+    }
+}
+
+fn run(options: &Options) -> Result<(), Failure> {
+    let preset = presets::grown()
+        .find(|preset| preset.name == options.species)
+        .or_else(|| presets::grown().find(|preset| preset.name.ends_with(&options.species)))
+        .ok_or_else(|| format!("--species is {:?}, but must be one of --list", options.species))?;
+    let folder = options.out.join(preset.name);
+    fs::create_dir_all(&folder).map_err(|error| format!("--out {}: {error}", options.out.display()))?;
+    let growth = preset.grow(options.seed.unwrap_or(preset.seed))?;
+    let file = |extension: &str| options.out.join(format!("{}{extension}", preset.name));
+
+    let last = preset.ages.last().copied().unwrap_or_default();
+    let age = options.age.unwrap_or(last);
+    let look = Look::at(preset, &growth, age, 8)?;
+    let parts = look.parts(preset);
+    write(&file(".glb"), |writer| {
+        Ok(write_glb_parts(&parts, &GlbOptions::default().with_name(preset.name), writer)?)
+    })?;
+    write(&file(".png"), |writer| Ok(Preview::default().draw_parts(&parts)?.write_png(writer)?))?;
+
+    // All pictures are framed as the oldest tree is, so that it is the tree that grows and not the picture.
+    let size = options.size;
+    let width = (size * 3 / 4).max(1);
+    let oldest = Look::at(preset, &growth, f32::from(growth.years()) - 0.4, 4)?;
+    let camera = Camera::default().framing(oldest.bounds().ok_or("nothing has sprouted yet")?);
+    let preview = Preview::default().with_camera(camera).with_size(width, size).with_ground_height(0.0);
+    let draw = |age: f32| -> Result<Picture, Failure> {
+        let look = Look::at(preset, &growth, age, 5)?;
+        let mut picture = preview.draw_parts(&look.parts(preset))?;
+        picture.label(&format!("{age:.1} years"), 8, 8, 1 + size / 400, [70, 70, 70]);
+        Ok(picture)
+    };
+
+    let ages = preset.ages.iter().filter(|&&age| age <= f32::from(growth.years()));
+    let sheet: Vec<Picture> = ages.map(|&age| draw(age)).collect::<Result<_, _>>()?;
+    let columns = sheet.len() as u32;
+    write(
+        &file("-sheet.png"),
+        |writer| Ok(Picture::sheet(&sheet, columns, 4, [255; 3])?.write_png(writer)?),
+    )?;
+
+    let count = options.frames.unwrap_or_else(|| u32::from(growth.years()).max(2));
+    let bar = ProgressBar::new(u64::from(count));
+    bar.set_style(ProgressStyle::with_template("{msg:>24} [{bar:40}] {percent:>3}% {elapsed_precise}")?);
+    let mut frames = Vec::new();
+    for frame in 0..count {
+        // From the first summer to the last; with one frame a year it is always summer.
+        let age = 0.6 + (f32::from(growth.years()) - 1.0) * frame as f32 / (count - 1) as f32;
+        bar.set_message(format!("{age:.2} years"));
+        let picture = draw(age)?;
+        write(&folder.join(format!("{frame:04}.png")), |writer| Ok(picture.write_png(writer)?))?;
+        frames.push(picture);
+        bar.inc(1);
+    }
+    bar.finish_and_clear();
+    let milliseconds = (10_000 / count).clamp(40, 400) as u16;
+    write(&file(".apng"), |writer| Ok(Picture::write_animation(&frames, milliseconds, writer)?))?;
+    println!(
+        "{}: at {age} years {} internodes and {} leaves -> {}",
+        preset.name,
+        look.internodes,
+        look.leaves.iter().map(|tone| tone.instances.len()).sum::<usize>(),
+        file("{.glb,.png,.apng,-sheet.png,/}").display(),
+    );
+    Ok(())
+}
+
+/// A tree of one age, to be drawn and written.
+struct Look {
+    mesh: Mesh,
+    leaves: Vec<Leaves>,
+    buds: Leaves,
+    internodes: usize,
+}
+
+impl Look {
+    fn at(preset: &Grown, growth: &Growth, age: f32, sides: u32) -> Result<Self, Failure> {
+        let stand = growth.at(age)?;
+        let mesh = Tubes::default().with_sides(sides).mesh(&stand.skeleton)?;
+        let buds = Leaves::buds(&stand, &Leaf::bud());
+        Ok(Self { mesh, leaves: preset.leaves(&stand), buds, internodes: stand.skeleton.segments() })
+    }
+
+    fn parts(&self, preset: &Grown) -> Vec<Part<'_>> {
+        let bark = Part::new(&self.mesh).with_material(preset.bark());
+        let leaves = self.leaves.iter().map(Leaves::part);
+        [bark].into_iter().chain(leaves).chain([self.buds.part().with_name("buds")]).collect()
+    }
+
+    fn bounds(&self) -> Option<Bounds> {
+        self.mesh.bounds()
+    }
+}
+
+/// Writes to a file; a failure names it.
+fn write(
+    path: &Path,
+    content: impl FnOnce(&mut BufWriter<File>) -> Result<(), Failure>,
+) -> Result<(), Failure> {
+    let named = |error: &dyn std::fmt::Display| format!("{}: {error}", path.display());
+    let mut writer = BufWriter::new(File::create(path).map_err(|error| named(&error))?);
+    content(&mut writer).map_err(|error| named(&error))?;
+    Ok(writer.flush().map_err(|error| named(&error))?)
+}

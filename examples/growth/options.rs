@@ -1,0 +1,71 @@
+//! The command line.
+
+use lexopt::prelude::{Long, Short, ValueExt};
+use std::path::PathBuf;
+use treesynth::presets;
+
+const HELP: &str = "\
+Grows a tree over the years and writes an animation (NAME.apng) with its frames (NAME/*.png), a contact sheet of several
+ages (NAME-sheet.png), a model of one age (NAME.glb) and its picture (NAME.png).
+
+cargo run --release --example growth -- [OPTIONS]
+
+  --species NAME  one of --list, or what its name ends in      [cottonwood]
+  --list          the presets, one a line, and nothing else
+  --age YEARS     of the model, e.g. 12.5                      [the last of the preset's ages]
+  --seed N        the seed                                     [the preset's]
+  --frames N      pictures of the animation, 2 to 10,000       [one a year]
+  --size N        height of the animation's pictures, pixels   [640]
+  --out DIR       where files go; made if it is not there      [out]
+  --help          this text";
+
+/// What to grow and where to put it.
+pub(crate) struct Options {
+    pub(crate) species: String,
+    pub(crate) age: Option<f32>,
+    pub(crate) seed: Option<u64>,
+    pub(crate) frames: Option<u32>,
+    pub(crate) size: u32,
+    pub(crate) out: PathBuf,
+}
+
+impl Options {
+    /// `None` when the user asked for a text, which has been printed.
+    pub(crate) fn from_arguments() -> Result<Option<Self>, super::Failure> {
+        let mut options = Self {
+            species: "cottonwood".into(),
+            age: None,
+            seed: None,
+            frames: None,
+            size: 640,
+            out: "out".into(),
+        };
+        let mut arguments = lexopt::Parser::from_env();
+        while let Some(argument) = arguments.next()? {
+            match argument {
+                Long("species") => options.species = arguments.value()?.string()?,
+                Long("age") => options.age = Some(arguments.value()?.parse()?),
+                Long("seed") => options.seed = Some(arguments.value()?.parse()?),
+                Long("frames") => options.frames = Some(arguments.value()?.parse()?),
+                Long("size") => options.size = arguments.value()?.parse()?,
+                Long("out") => options.out = arguments.value()?.into(),
+                Long("list") => {
+                    for preset in presets::grown() {
+                        println!("{:22} {}", preset.name, preset.caption);
+                    }
+                    return Ok(None);
+                }
+                Long("help") | Short('h') => {
+                    println!("{HELP}");
+                    return Ok(None);
+                }
+                other => return Err(other.unexpected().into()),
+            }
+        }
+        let frames = options.frames.unwrap_or(2);
+        if !(2..=10_000).contains(&frames) {
+            return Err(format!("--frames is {frames}, but must be 2 to 10000").into());
+        }
+        Ok(Some(options))
+    }
+}

@@ -1,0 +1,463 @@
+//! The tree at an age: every branch laid out along its heading, in one pass from the trunk outwards.
+
+use super::equation as eq;
+use super::structure::{Axis, Draw, Shoot};
+use super::{Growth, Species};
+use crate::math::{self, UP, parallel_transport};
+use crate::random::{Purpose, unit};
+use crate::skeleton::{Skeleton, SkeletonError};
+use glam::Vec3;
+
+/// No branch is thicker at its base than this part of what bears it.
+const THICKEST: f32 = 0.9;
+/// How much of its straying a branch keeps from one shoot to the next.
+const KEPT: f32 = 0.7;
+/// The trunk strays less than branches.
+const TRUNK: f32 = 1.0 / 3.0;
+/// Leaves turn their colour in so many groups, so many parts of a year apart.
+const TONES: u32 = 5;
+const TONE_STEP: f32 = 0.015;
+
+/// A tree at one age; see [`Growth::at`].
+#[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
+pub struct Stand {
+    /// Positions, radii, branch orders; `stages` are the years in which the nodes grew, from 1, `hops` their distances
+    /// from the root in nodes. A branch is as old as the tree less the stage of its first node, plus one.
+    pub skeleton: Skeleton,
+    /// The number of each node, 0 for the root: the same at every age, and smaller for nodes of earlier years.
+    pub ids: Vec<u32>,
+    /// The leaves that hang, branch by branch.
+    pub leaves: Vec<Leaf>,
+    /// The buds of the latest shoots: one in each leaf's axil, and one at each tip.
+    pub buds: Vec<Bud>,
+}
+
+impl Stand {
+    /// The place in the skeleton of the node with this number; `None` if it does not stand. O(n).
+    pub fn node(&self, id: u32) -> Option<usize> {
+        self.ids.iter().position(|&other| other == id)
+    }
+}
+
+/// A leaf of a [`Stand`].
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
+pub struct Leaf {
+    /// The node of the skeleton that bears it.
+    pub node: u32,
+    /// Its foot, on the bark, metres.
+    pub position: Vec3,
+    /// Where its midrib leads; of length 1.
+    pub midrib: Vec3,
+    /// Where its upper side looks, at right angles to the midrib; of length 1.
+    pub normal: Vec3,
+    /// Its length, metres.
+    pub length: f32,
+    /// The colour of the season: linear red, green and blue, 0 to 1. Few different ones occur at one age.
+    pub color: [f32; 3],
+}
+
+/// A bud of a [`Stand`].
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
+pub struct Bud {
+    /// The node of the skeleton that bears it.
+    pub node: u32,
+    /// Its foot, metres.
+    pub position: Vec3,
+    /// Where it points; of length 1.
+    pub direction: Vec3,
+    /// Its length, metres.
+    pub length: f32,
+}
+
+/// Where and how a branch begins.
+#[derive(Debug, Clone, Copy)]
+struct Base {
+    /// The node of the skeleton that bears it.
+    node: u32,
+    position: Vec3,
+    heading: Vec3,
+    /// At right angles to the heading, towards the bearing branch.
+    inwards: Vec3,
+    /// Of the bearing branch there, metres.
+    radius: f32,
+}
+
+/// The part of a shoot that has unfolded when the season has come so far: for each of its metamers the sum up to it.
+#[derive(Debug, Default)]
+struct Unfolded {
+    sums: Vec<f32>,
+}
+
+pub(super) fn stand(growth: &Growth, age: f32) -> Result<Stand, SkeletonError> {
+    let mut layout = Layout::new(growth, age);
+    if layout.year > 0 {
+        layout.run();
+    }
+    layout.finish()
+}
+
+struct Layout<'a> {
+    growth: &'a Growth,
+    species: &'a Species,
+    age: f32,
+    /// The year at hand, from 1; 0 for a seed.
+    year: u16,
+    /// How far its season is, 0 to 1.
+    progress: f32,
+    /// By the number of metamers.
+    unfolded: Vec<Option<Unfolded>>,
+    /// Of the branches that stand.
+    bases: Vec<Option<Base>>,
+    positions: Vec<Vec3>,
+    parents: Vec<Option<u32>>,
+    radii: Vec<f32>,
+    stages: Vec<u16>,
+    orders: Vec<u16>,
+    hops: Vec<u32>,
+    ids: Vec<u32>,
+    leaves: Vec<Leaf>,
+    buds: Vec<Bud>,
+    colors: [[f32; 3]; TONES as usize],
+    leaf_share: f32,
+    bud_growth: f32,
+}
+
+impl<'a> Layout<'a> {
+    fn new(growth: &'a Growth, age: f32) -> Self {
+        let species = &growth.species;
+        let phenology = &species.phenology;
+        let year = age.ceil() as u16;
+        let time = age - (f32::from(year) - 1.0);
+        let [start, _] = phenology.season;
+        let colors = std::array::from_fn(|tone| {
+            let shifted = time + (tone as f32 - 0.5 * (TONES - 1) as f32) * TONE_STEP;
+            [0, 1, 2].map(|channel: usize| phenology.leaf_colors[channel].at(shifted))
+        });
+        let since = ((time - start) / (1.0 - start)).clamp(0.0, 1.0);
+        Self {
+            growth,
+            species,
+            age,
+            year,
+            progress: phenology.progress(time),
+            unfolded: Vec::new(),
+            bases: Vec::new(),
+            positions: vec![Vec3::ZERO],
+            parents: vec![None],
+            radii: vec![0.0],
+            stages: vec![0],
+            orders: vec![0],
+            hops: vec![0],
+            ids: vec![0],
+            leaves: Vec::new(),
+            buds: Vec::new(),
+            colors,
+            leaf_share: phenology.leaf_share.at(time),
+            bud_growth: phenology.bud_growth.at(since),
+        }
+    }
+
+    fn run(&mut self) {
+        let structure = &self.growth.structure;
+        self.bases = vec![None; structure.axes.len()];
+        self.bases[0] = Some(Base {
+            node: 0,
+            position: Vec3::ZERO,
+            heading: UP,
+            inwards: Vec3::X,
+            radius: f32::INFINITY,
+        });
+        for (number, axis) in structure.axes.iter().enumerate() {
+            if axis.first_year > self.year {
+                // Branches are in the order of their years.
+                break;
+            }
+            if let Some(base) = self.bases[number].filter(|_| axis.lost > self.age) {
+                self.lay_out(number, axis, base);
+            }
+        }
+    }
+
+    /// One branch from its base to its tip.
+    fn lay_out(&mut self, number: usize, axis: &Axis, base: Base) {
+        let growth = self.growth;
+        let species = self.species;
+        let shoots = growth.structure.shoots_until(axis, self.year);
+        let last = shoots.len() - 1;
+        let before =
+            if last > 0 { shoots[last - 1] } else { Shoot { length: 0.0, metamers: 0, first_node: 0 } };
+        let unfolding = shoots[last].metamers - before.metamers;
+        let sums = std::mem::take(self.unfolded(unfolding));
+        let length =
+            before.length + (shoots[last].length - before.length) * sums.sums[unfolding as usize - 1];
+        if length > 0.0 {
+            let mut path = Path::new(growth, number, axis, base, length);
+            if number == 0 {
+                self.radii[0] = path.radius(0.0);
+            }
+            let mut at = Foot { node: base.node, along: 0.0, position: base.position };
+            let borne = growth.structure.borne_starts[number] as usize
+                ..growth.structure.borne_starts[number + 1] as usize;
+            let mut borne = growth.structure.borne[borne].iter().copied().peekable();
+            let (mut from, mut count) = (0.0, 0);
+            for (i, shoot) in shoots.iter().enumerate() {
+                let year = axis.first_year + i as u16;
+                let metamers = shoot.metamers - count;
+                path.stray(year);
+                let step = (shoot.length - from) / metamers as f32;
+                for k in 0..metamers {
+                    let along = if i < last {
+                        from + step * (k + 1) as f32
+                    } else {
+                        from + (shoot.length - from) * sums.sums[k as usize]
+                    };
+                    if along <= at.along {
+                        // Not yet unfolded, nor are those above it.
+                        break;
+                    }
+                    let part = (k + 1) as f32 / metamers as f32;
+                    let direction = path.direction(0.5 * (at.along + along), part);
+                    at.position += direction * (along - at.along);
+                    at.along = along;
+                    let radius = path.radius(along);
+                    at.node = self.push(at, radius, year, axis.order, shoot.first_node + k);
+                    let bearer = count + k;
+                    while let Some(branch) =
+                        borne.next_if(|&b| growth.structure.axes[b as usize].bearer == bearer)
+                    {
+                        let lateral = &growth.structure.axes[branch as usize];
+                        if lateral.first_year <= self.year && lateral.lost > self.age {
+                            self.bases[branch as usize] = Some(path.lateral(lateral, direction, at, radius));
+                        }
+                    }
+                    let is_young = self.year - year < species.phenology.leaf_years.max(2);
+                    if is_young {
+                        self.organs(&path, at, direction, radius, year, bearer, k, metamers);
+                    }
+                }
+                (from, count) = (shoot.length, shoot.metamers);
+            }
+            if at.along > 0.0 {
+                self.apical_bud(at, path.direction(length, 1.0), last);
+            }
+        }
+        *self.unfolded(unfolding) = sums;
+    }
+
+    /// How much of a shoot of so many metamers has unfolded.
+    fn unfolded(&mut self, metamers: u32) -> &mut Unfolded {
+        let number = metamers as usize;
+        if self.unfolded.len() <= number {
+            self.unfolded.resize_with(number + 1, || None);
+        }
+        let (phenology, progress) = (&self.species.phenology, self.progress);
+        self.unfolded[number].get_or_insert_with(|| {
+            let mut sum = 0.0;
+            let sums = (0..metamers).map(|k| {
+                sum += phenology.internode_growth.at(phenology.development(progress, k, metamers));
+                sum / metamers as f32
+            });
+            Unfolded { sums: sums.collect() }
+        })
+    }
+
+    fn push(&mut self, at: Foot, radius: f32, year: u16, order: u16, id: u32) -> u32 {
+        let node = self.positions.len() as u32;
+        self.positions.push(at.position);
+        self.parents.push(Some(at.node));
+        self.radii.push(radius);
+        self.stages.push(year);
+        self.orders.push(order);
+        self.hops.push(self.hops[at.node as usize] + 1);
+        self.ids.push(id);
+        node
+    }
+
+    /// The leaf of a metamer and the bud in its axil, where they are.
+    #[allow(clippy::too_many_arguments, reason = "all that is known of a metamer")]
+    fn organs(
+        &mut self,
+        path: &Path<'_>,
+        at: Foot,
+        direction: Vec3,
+        radius: f32,
+        year: u16,
+        bearer: u32,
+        number: u32,
+        of: u32,
+    ) {
+        let phenology = &self.species.phenology;
+        let winters = self.year - year;
+        let outward = path.outward(direction, path.azimuth(bearer));
+        let position = at.position + outward * radius;
+        let started = self.progress > 0.0;
+        let id = u64::from(self.ids[at.node as usize]);
+        let draw = |draw: Draw| unit(self.growth.seed, draw as u32, Purpose::GROWTH, id);
+        let bud = match winters {
+            0 => self.bud_growth,
+            1 if !started => 1.0,
+            _ => 0.0,
+        } * phenology.bud_size;
+        if bud > 0.0 {
+            let direction = (direction + outward).normalize_or(direction);
+            self.buds.push(Bud { node: at.node, position, direction, length: bud });
+        }
+        let falling = winters + 1 == phenology.leaf_years;
+        if winters >= phenology.leaf_years || (falling && draw(Draw::Fall) >= self.leaf_share) {
+            return;
+        }
+        let development = if winters > 0 { 1.0 } else { phenology.development(self.progress, number, of) };
+        let on_shoot = (number + 1) as f32 / of as f32;
+        let length = phenology.leaf_size.at(on_shoot) * phenology.leaf_growth.at(development);
+        if length <= 0.0 {
+            return;
+        }
+        let (sin, cos) = math::sin_cos(phenology.leaf_angle);
+        let midrib = direction * cos + outward * sin;
+        // The upper side looks to the light, as far as the midrib lets it.
+        let adaxial = direction * sin - outward * cos;
+        let towards = adaxial + UP * 1.5;
+        let normal = (towards - midrib * towards.dot(midrib)).normalize_or(adaxial);
+        let tone = (draw(Draw::Tone) * TONES as f32) as usize;
+        let color = self.colors[tone];
+        self.leaves.push(Leaf { node: at.node, position, midrib, normal, length, color });
+    }
+
+    fn apical_bud(&mut self, at: Foot, direction: Vec3, last: usize) {
+        let started = self.progress > 0.0;
+        let growth = if started {
+            self.bud_growth
+        } else if last > 0 {
+            1.0
+        } else {
+            0.0
+        };
+        let length = growth * 1.5 * self.species.phenology.bud_size;
+        if length > 0.0 {
+            self.buds.push(Bud { node: at.node, position: at.position, direction, length });
+        }
+    }
+
+    fn finish(self) -> Result<Stand, SkeletonError> {
+        let skeleton = Skeleton::new(self.positions, self.parents)?
+            .with_radii(self.radii)?
+            .with_stages(self.stages)?
+            .with_orders(self.orders)?
+            .with_hops(self.hops)?;
+        Ok(Stand { skeleton, ids: self.ids, leaves: self.leaves, buds: self.buds })
+    }
+}
+
+/// How far a branch has been laid out.
+#[derive(Debug, Clone, Copy)]
+struct Foot {
+    node: u32,
+    along: f32,
+    position: Vec3,
+}
+
+/// The course and the thickness of one branch.
+struct Path<'a> {
+    species: &'a Species,
+    seed: u64,
+    number: u64,
+    order: u16,
+    base: Base,
+    /// At right angles to heading and `inwards`.
+    aside: Vec3,
+    length: f32,
+    /// By its length alone, without that of a twig, metres.
+    base_radius: f32,
+    /// `s_θ` of equation 8.
+    share: f32,
+    /// Where laterals begin to count about the branch, radians.
+    turn: f64,
+    /// How much thinner it is than its length says, because of what bears it.
+    thinning: f32,
+    /// How far it strays inwards and aside before and after the shoot at hand.
+    strays: [[f32; 2]; 2],
+}
+
+impl<'a> Path<'a> {
+    fn new(growth: &'a Growth, number: usize, axis: &Axis, base: Base, length: f32) -> Self {
+        let species = &growth.species;
+        let base_radius = species.slenderness * length * (length / species.longest_branch).sqrt();
+        let thickness = species.twig_radius + base_radius * species.taper.at(0.0);
+        let number = number as u64;
+        // Where the trunk's laterals begin is fixed, so that drawings of flat trees are seen from the front.
+        let turn =
+            if number == 0 { 0.0 } else { unit(growth.seed, Draw::Azimuth as u32, Purpose::GROWTH, number) };
+        Self {
+            species,
+            seed: growth.seed,
+            number,
+            order: axis.order,
+            base,
+            aside: base.heading.cross(base.inwards),
+            length,
+            base_radius,
+            share: eq::length_share(length, species.longest_branch),
+            turn: f64::from(turn) * std::f64::consts::TAU,
+            thinning: (THICKEST * base.radius / thickness).min(1.0),
+            strays: [[0.0; 2]; 2],
+        }
+    }
+
+    /// Goes on to the shoot of a year.
+    fn stray(&mut self, year: u16) {
+        let index = self.number << 16 | u64::from(year);
+        let breadth = self.species.variation * if self.order == 0 { TRUNK } else { 1.0 };
+        let [_, before] = self.strays;
+        let draw = |draw: Draw| 2.0 * unit(self.seed, draw as u32, Purpose::GROWTH, index) - 1.0;
+        let next = [Draw::Stray, Draw::Aside].map(|kind| breadth * draw(kind));
+        self.strays = [before, [KEPT * before[0] + next[0], KEPT * before[1] + next[1]]];
+    }
+
+    /// The direction at so many metres from the base, which is such a part of the shoot at hand; of length 1.
+    fn direction(&self, along: f32, part: f32) -> Vec3 {
+        let place = along / self.length;
+        let Base { heading, inwards, .. } = self.base;
+        let [before, after] = self.strays;
+        let stray = |side: usize| before[side] + (after[side] - before[side]) * part;
+        let strayed = inwards * stray(0) + self.aside * stray(1);
+        if self.order == 0 {
+            return (heading + strayed).normalize_or(heading);
+        }
+        let (short, long) = (self.species.short_heading.at(place), self.species.long_heading.at(place));
+        let (sin, cos) = math::sin_cos(eq::heading(self.share, short, long));
+        let turned = heading * cos + inwards * sin;
+        (turned + strayed + UP * (self.species.tropism * place)).normalize_or(turned)
+    }
+
+    /// Metres, at so many metres from the base.
+    fn radius(&self, along: f32) -> f32 {
+        let taper = self.species.taper.at(along / self.length);
+        self.thinning * (self.species.twig_radius + self.base_radius * taper)
+    }
+
+    /// Of what a metamer bears, about the branch, radians.
+    fn azimuth(&self, bearer: u32) -> f32 {
+        let turned = f64::from(self.species.divergence) * f64::from(bearer) + self.turn;
+        (turned % std::f64::consts::TAU) as f32
+    }
+
+    /// The direction at right angles to the branch that an azimuth means where the branch has `direction`.
+    fn outward(&self, direction: Vec3, azimuth: f32) -> Vec3 {
+        // Carried from the base at once and not along the branch, so that it does not wind with every bend.
+        let normal = parallel_transport(self.base.heading, direction, self.base.inwards);
+        let (sin, cos) = math::sin_cos(azimuth);
+        normal * cos + direction.cross(normal) * sin
+    }
+
+    fn lateral(&self, lateral: &Axis, direction: Vec3, at: Foot, radius: f32) -> Base {
+        let outward = self.outward(direction, self.azimuth(lateral.bearer));
+        let (sin, cos) = math::sin_cos(lateral.angle);
+        let heading = (direction * cos + outward * sin).normalize_or(outward);
+        let inwards = direction * sin - outward * cos;
+        let inwards = (inwards - heading * inwards.dot(heading)).normalize_or(math::perpendicular(heading));
+        Base { node: at.node, position: at.position, heading, inwards, radius }
+    }
+}

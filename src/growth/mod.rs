@@ -1,0 +1,147 @@
+//! Trees over the years, by positional information: what grows where is said, not why.
+//!
+//! After Galbraith, Mündermann and Wyvill 2004, "Implicit visualization and inverse modeling of growing trees". All of a
+//! tree, at every age, follows from [`Curve`]s over relative positions and relative time, which a [`Species`] holds.
+//! [`Growth`] works out once which branches a tree ever has, then gives it at any real age as a [`Skeleton`] with radii,
+//! leaves and buds; nodes keep their numbers from age to age. The paper's equations are functions in [`equation`].
+//!
+//! [`Timeline`] does the like for any skeleton that another system has made.
+//!
+//! Years count from germination: year 1 lasts from age 0 to 1, and each begins in midwinter.
+//!
+//! [`Skeleton`]: crate::Skeleton
+
+mod curve;
+pub mod equation;
+mod form;
+mod kinds;
+mod phenology;
+mod species;
+mod structure;
+mod timeline;
+
+pub use curve::Curve;
+pub use form::{Bud, Leaf, Stand};
+pub use phenology::Phenology;
+pub use species::Species;
+pub use timeline::Timeline;
+
+use crate::ParameterError;
+use crate::skeleton::SkeletonError;
+use structure::Structure;
+
+/// The most nodes unless it is said otherwise: some 400 MB.
+const MOST_NODES: u32 = 4_000_000;
+
+/// Why there is no tree of an age.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum GrowthError {
+    /// An option or an age out of its range.
+    #[error(transparent)]
+    Parameter(#[from] ParameterError),
+    /// The tree has been worked out up to this year only. All ages before are to be had.
+    #[error(
+        "year {year} would bring the tree to {nodes} nodes, those it has lost included, but the limit is {limit}; it can \
+         be had up to the age of {}", year - 1
+    )]
+    Limit {
+        /// The first year that is missing.
+        year: u16,
+        /// The nodes there would be, at least.
+        nodes: u64,
+        /// The most there may be.
+        limit: u32,
+    },
+    /// What has grown is no skeleton.
+    #[error("the tree: {0}")]
+    Skeleton(#[from] SkeletonError),
+}
+
+/// A tree of a species, to be had at any age.
+///
+/// ```
+/// use treesynth::growth::{Growth, Species};
+///
+/// let tree = Growth::new(Species::default().with_most_order(1), 1)?;
+/// let young = tree.at(4.5)?;
+/// let old = tree.at(9.5)?;
+/// assert!(old.skeleton.len() > young.skeleton.len());
+/// // A node is known by its number: here the top of the first year's shoot.
+/// let top = young.node(young.ids[10]).expect("it stands");
+/// assert_eq!(young.ids[top], old.ids[old.node(young.ids[10]).expect("it still stands")]);
+/// # Ok::<(), treesynth::growth::GrowthError>(())
+/// ```
+#[derive(Debug, Clone)]
+pub struct Growth {
+    species: Species,
+    seed: u64,
+    most_nodes: u32,
+    structure: Structure,
+}
+
+impl Growth {
+    /// Works out the structure of a tree up to the species' greatest age, at most 4 million nodes.
+    ///
+    /// O(branches · years) time; 12 bytes a branch and year, 44 bytes a branch.
+    ///
+    /// # Errors
+    /// What [`Species::check`] finds. A species that runs away is no error here but in [`at`](Self::at), for the ages
+    /// that are missing.
+    pub fn new(species: Species, seed: u64) -> Result<Self, ParameterError> {
+        Self::with_most_nodes(species, seed, MOST_NODES)
+    }
+
+    /// As [`new`](Self::new), with another limit of nodes, 1 to 2³¹. Nodes that are lost again count too. The year that
+    /// would lead beyond the limit does not begin: [`years`](Self::years).
+    ///
+    /// # Errors
+    /// As `new`, and a limit out of range.
+    pub fn with_most_nodes(species: Species, seed: u64, most_nodes: u32) -> Result<Self, ParameterError> {
+        species.check()?;
+        let holds = (1..=1 << 31).contains(&most_nodes);
+        ParameterError::unless(holds, "Growth.most_nodes", most_nodes, "1 to 2^31")?;
+        let structure = Structure::new(&species, seed, most_nodes);
+        Ok(Self { species, seed, most_nodes, structure })
+    }
+
+    /// The tree at an age in years since germination, 0 to the species' greatest age. At 0 it is a root alone.
+    ///
+    /// Within a season shoots unfold; at the end of year y every branch is as long as equation 7 or 12 says for y. All
+    /// places move smoothly with the age; a branch that is lost goes at once, with all it bears. One pass over the
+    /// branches that stand. O(nodes) time.
+    ///
+    /// # Errors
+    /// An age that is negative, not finite or greater than the greatest; [`GrowthError::Limit`] where years are missing.
+    pub fn at(&self, age: f32) -> Result<Stand, GrowthError> {
+        let most = self.species.years;
+        let holds = age >= 0.0 && age <= f32::from(most);
+        let range = format!("0 to {most} years, the greatest age of the species");
+        ParameterError::unless(holds, "Growth.age", age, &range)?;
+        if let Some(nodes) = self.structure.refused.filter(|_| age > f32::from(self.structure.years)) {
+            let year = self.structure.years + 1;
+            return Err(GrowthError::Limit { year, nodes, limit: self.most_nodes });
+        }
+        Ok(form::stand(self, age)?)
+    }
+
+    /// The years that are to be had: all, unless the limit of nodes came first.
+    pub fn years(&self) -> u16 {
+        self.structure.years
+    }
+
+    /// The nodes that ever are, the root and the lost ones included; numbers of nodes are smaller.
+    pub fn nodes(&self) -> usize {
+        self.structure.nodes as usize
+    }
+
+    /// Branches of all orders that ever are.
+    pub fn branches(&self) -> usize {
+        self.structure.axes.iter().filter(|axis| axis.first_year <= self.structure.years).count()
+    }
+
+    /// The species.
+    pub fn species(&self) -> &Species {
+        &self.species
+    }
+}

@@ -1,0 +1,419 @@
+//! What of a tree does not depend on its age: which branches it ever has, how long each is in each year, of how many
+//! metamers its shoots are, and when it is lost.
+//!
+//! Branches are numbered by the year in which they sprout, so that a bearing branch comes before what it bears; nodes
+//! are numbered year by year. Neither number ever changes.
+
+use super::equation as eq;
+use super::species::Species;
+use crate::random::{Purpose, unit};
+
+/// The least angle between the longest laterals of successive shoots, radians: the paper's 40°.
+pub(super) const LEAST_ANGLE: f32 = 0.698_131_7;
+
+/// What a random number of a branch decides; the stages of its streams.
+#[derive(Debug, Clone, Copy)]
+pub(super) enum Draw {
+    Azimuth = 0,
+    Scale = 1,
+    Lifespan = 2,
+    Stray = 3,
+    Aside = 4,
+    Fall = 5,
+    Tone = 6,
+}
+
+/// A branch, the trunk included.
+#[derive(Debug, Clone)]
+pub(super) struct Axis {
+    /// The branch that bears it; the trunk's is itself.
+    pub(super) parent: u32,
+    /// The metamer of that branch at whose upper end it springs.
+    pub(super) bearer: u32,
+    pub(super) order: u16,
+    /// The year of its first shoot, from 1.
+    pub(super) first_year: u16,
+    /// The tree's age at which it is lost with all it bears; infinite for the trunk.
+    pub(super) lost: f32,
+    /// `s_b` of equation 15.
+    pub(super) scale: f32,
+    /// Between it and the bearing branch, radians.
+    pub(super) angle: f32,
+    /// Where its years begin in the arrays of [`Structure`].
+    pub(super) start: u32,
+}
+
+/// One year of one branch.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Shoot {
+    /// Length of the branch at the year's end, metres.
+    pub(super) length: f32,
+    /// Metamers of the branch at the year's end.
+    pub(super) metamers: u32,
+    /// The number of the shoot's first node.
+    pub(super) first_node: u32,
+}
+
+/// All branches of a tree.
+#[derive(Debug, Clone)]
+pub(super) struct Structure {
+    pub(super) axes: Vec<Axis>,
+    /// The years of each branch up to the greatest age.
+    pub(super) shoots: Vec<Shoot>,
+    /// The branches that each branch bears, from its base to its tip.
+    pub(super) borne: Vec<u32>,
+    pub(super) borne_starts: Vec<u32>,
+    /// Years that have been worked out completely.
+    pub(super) years: u16,
+    /// Nodes the next year would have led to, if there was a next one.
+    pub(super) refused: Option<u64>,
+    /// Nodes that ever are, the root included.
+    pub(super) nodes: u32,
+}
+
+impl Structure {
+    pub(super) fn new(species: &Species, seed: u64, most_nodes: u32) -> Self {
+        let mut builder = Builder::new(species, seed, most_nodes);
+        let mut refused = None;
+        let mut years = 0;
+        for year in 1..=species.years {
+            match builder.year(year) {
+                Ok(()) => years = year,
+                Err(nodes) => {
+                    refused = Some(nodes);
+                    break;
+                }
+            }
+        }
+        builder.finish(years, refused)
+    }
+
+    /// The years of a branch from its first to `year`.
+    pub(super) fn shoots_until(&self, axis: &Axis, year: u16) -> &[Shoot] {
+        let start = axis.start as usize;
+        &self.shoots[start..start + usize::from(year + 1 - axis.first_year)]
+    }
+}
+
+struct Builder<'a> {
+    species: &'a Species,
+    seed: u64,
+    most_nodes: u32,
+    /// `l_smax`: the longest shoot of the trunk.
+    longest_shoot: f32,
+    axes: Vec<Axis>,
+    shoots: Vec<Shoot>,
+    nodes: u32,
+    /// For each number of metamers which two of them bear the longest laterals.
+    longest: Vec<Option<[u32; 2]>>,
+    /// What the silhouette wants of a branch in each year from the one at hand on.
+    wanted: Vec<f32>,
+}
+
+impl<'a> Builder<'a> {
+    fn new(species: &'a Species, seed: u64, most_nodes: u32) -> Self {
+        let mut builder = Self {
+            species,
+            seed,
+            most_nodes,
+            longest_shoot: 0.0,
+            axes: Vec::new(),
+            shoots: Vec::new(),
+            nodes: 1,
+            longest: Vec::new(),
+            wanted: Vec::new(),
+        };
+        let height = |year: u16| species.height.at(builder.time(year));
+        builder.wanted = (1..=species.years).map(height).collect();
+        let mut before = 0.0;
+        for &wanted in &builder.wanted {
+            let length = eq::enforced_length(wanted, before, species.least_shoot);
+            builder.longest_shoot = builder.longest_shoot.max(length - before);
+            before = length;
+        }
+        let trunk = Axis {
+            parent: 0,
+            bearer: 0,
+            order: 0,
+            first_year: 1,
+            lost: f32::INFINITY,
+            scale: 1.0,
+            angle: 0.0,
+            start: 0,
+        };
+        builder.extend(trunk);
+        builder
+    }
+
+    /// `t_y`: the year as a part of the greatest age.
+    fn time(&self, year: u16) -> f32 {
+        f32::from(year) / f32::from(self.species.years)
+    }
+
+    /// One more year: laterals of the shoots of the year before, then a shoot of every living branch.
+    ///
+    /// Fails with the number of nodes there would be beyond the limit.
+    fn year(&mut self, year: u16) -> Result<(), u64> {
+        // A branch takes three times the memory of a node, and each of its years up to the greatest age half of it.
+        let most = self.most_nodes as usize;
+        for axis in 0..self.axes.len() {
+            if year > 1 && self.is_living(axis, year) && self.axes[axis].order < self.species.most_order {
+                self.branch(axis, year);
+            }
+            if self.axes.len() > most || self.shoots.len() / 8 > most {
+                return Err(self.axes.len().max(self.shoots.len() / 8) as u64);
+            }
+        }
+        let mut nodes = u64::from(self.nodes);
+        for axis in 0..self.axes.len() {
+            if !self.is_living(axis, year) {
+                continue;
+            }
+            let Axis { start, first_year, .. } = self.axes[axis];
+            let at = start as usize + usize::from(year - first_year);
+            let before = if year > first_year { self.shoots[at - 1].metamers } else { 0 };
+            self.shoots[at].first_node = nodes.min(u64::from(u32::MAX)) as u32;
+            nodes += u64::from(self.shoots[at].metamers - before);
+        }
+        if nodes > u64::from(self.most_nodes) {
+            return Err(nodes);
+        }
+        self.nodes = nodes as u32;
+        Ok(())
+    }
+
+    /// Whether a branch lives in a year, if only at its beginning.
+    fn is_living(&self, axis: usize, year: u16) -> bool {
+        self.axes[axis].lost > f32::from(year - 1)
+    }
+
+    /// The laterals that sprout in `year` from the shoot of the year before.
+    fn branch(&mut self, parent: usize, year: u16) {
+        let species = self.species;
+        let bearing = self.axes[parent].clone();
+        let Axis { start, first_year, .. } = bearing;
+        if first_year >= year {
+            return;
+        }
+        let at = start as usize + usize::from(year - 1 - first_year);
+        let shoot = self.shoots[at];
+        let (length_before, metamers_before) = if year - 1 > first_year {
+            (self.shoots[at - 1].length, self.shoots[at - 1].metamers)
+        } else {
+            (0.0, 0)
+        };
+        let metamers = shoot.metamers - metamers_before;
+        // Section 4.3: all laterals of a shoot use the shoot's position on the branch.
+        let position = f32::midpoint(length_before, shoot.length);
+        let final_length = self.shoots[start as usize + usize::from(species.years - first_year)].length;
+        let at_end = position / final_length;
+        self.wanted.clear();
+        for later in year..=species.years {
+            let length = self.shoots[start as usize + usize::from(later - first_year)].length;
+            let now = position / length;
+            let (young, mature) = (species.young_silhouette.at(now), species.mature_silhouette.at(now));
+            self.wanted.push(eq::wanted_length(length, self.time(later), young, mature));
+        }
+        for number in 0..metamers {
+            let on_shoot = (number + 1) as f32 / metamers as f32;
+            let bearer = metamers_before + number;
+            let id = u64::from(shoot.first_node + number);
+            let draw = |draw: Draw| unit(self.seed, draw as u32, Purpose::GROWTH, id);
+            let scale = eq::lateral_scale(
+                &species.shoot_scale,
+                &species.branch_scale,
+                bearing.scale,
+                on_shoot,
+                at_end,
+            );
+            let scale = scale * (1.0 - species.scale_variation * draw(Draw::Scale));
+            if scale < species.least_scale || scale <= 0.0 {
+                continue;
+            }
+            let lifespan = eq::lost_at(&species.lifespan, scale)
+                * (1.0 - species.scale_variation * draw(Draw::Lifespan));
+            let lost = (f32::from(year - 1) + lifespan.max(1.0)).min(bearing.lost);
+            self.extend(Axis {
+                parent: parent as u32,
+                bearer,
+                order: bearing.order + 1,
+                first_year: year,
+                lost,
+                scale,
+                angle: 0.0,
+                start: 0,
+            });
+        }
+    }
+
+    /// Adds a branch with its lengths and metamers in all years, of which `wanted` has the lengths at scale 1.
+    fn extend(&mut self, mut axis: Axis) {
+        let species = self.species;
+        axis.start = self.shoots.len() as u32;
+        let (mut length, mut metamers, mut longest_before) = (0.0, 0, None);
+        for i in 0..self.wanted.len() {
+            let wanted = self.wanted[i] * axis.scale;
+            let before = length;
+            length = eq::higher_order_length(wanted, before, species.least_shoot, axis.order);
+            if i == 0 && axis.order > 0 {
+                let share = (length / self.longest_shoot).min(1.0);
+                axis.angle = species.branching_angle.at(share);
+            }
+            let wanted = eq::metamers(&species.metamers, length - before, self.longest_shoot);
+            let count = self.turned(wanted, metamers, longest_before);
+            let [longest, _] = self.longest(count);
+            longest_before = Some(metamers + longest);
+            metamers += count;
+            self.shoots.push(Shoot { length, metamers, first_node: 0 });
+        }
+        self.axes.push(axis);
+    }
+
+    /// The number of metamers nearest to `wanted` with which both of the longest laterals of the shoot stand at least
+    /// 40° from the longest of the shoot before; `wanted` if there is none near.
+    fn turned(&mut self, wanted: u32, before: u32, longest_before: Option<u32>) -> u32 {
+        let Some(longest_before) = longest_before else { return wanted };
+        // A spiral by the golden angle has one within two; other divergences may have none at all.
+        let farthest = 2 + wanted / 3;
+        let offsets =
+            (0..=2 * farthest).map(|i| if i % 2 == 1 { i.div_ceil(2) as i32 } else { -((i / 2) as i32) });
+        for offset in offsets {
+            let Some(count) = wanted.checked_add_signed(offset).filter(|&count| count > 0) else { continue };
+            let divergence = self.species.divergence;
+            let longest = self.longest(count);
+            if longest.iter().all(|&k| apart(before + k - longest_before, divergence) >= LEAST_ANGLE) {
+                return count;
+            }
+        }
+        wanted
+    }
+
+    /// Which of so many metamers bear the longest and the second longest lateral: those of the greatest `G_ss`.
+    fn longest(&mut self, metamers: u32) -> [u32; 2] {
+        let known = metamers as usize;
+        if self.longest.len() <= known {
+            self.longest.resize(known + 1, None);
+        }
+        let curve = &self.species.shoot_scale;
+        *self.longest[known].get_or_insert_with(|| {
+            let scale = |k: u32| curve.at((k + 1) as f32 / metamers as f32);
+            // The upper one of equals.
+            let best = |except: Option<u32>| {
+                let others = (0..metamers).filter(|&k| Some(k) != except);
+                others.max_by(|&a, &b| scale(a).total_cmp(&scale(b))).unwrap_or_default()
+            };
+            let first = best(None);
+            [first, if metamers > 1 { best(Some(first)) } else { first }]
+        })
+    }
+
+    fn finish(self, years: u16, refused: Option<u64>) -> Structure {
+        let Self { axes, shoots, nodes, .. } = self;
+        let mut starts = vec![0u32; axes.len() + 1];
+        for axis in axes.iter().skip(1) {
+            starts[axis.parent as usize + 1] += 1;
+        }
+        for axis in 0..axes.len() {
+            starts[axis + 1] += starts[axis];
+        }
+        let mut next = starts.clone();
+        let mut borne = vec![0; axes.len() - 1];
+        for (number, axis) in axes.iter().enumerate().skip(1) {
+            let slot = &mut next[axis.parent as usize];
+            borne[*slot as usize] = number as u32;
+            *slot += 1;
+        }
+        Structure { axes, shoots, borne, borne_starts: starts, years, refused, nodes }
+    }
+}
+
+/// The angle between two metamers' laterals about the axis when so many steps lie between them, radians, 0 to π.
+pub(super) fn apart(steps: u32, divergence: f32) -> f32 {
+    let turn = std::f64::consts::TAU;
+    let angle = (f64::from(steps) * f64::from(divergence)).rem_euclid(turn);
+    angle.min(turn - angle) as f32
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::growth::Curve;
+
+    fn cottonwood() -> (Species, Structure) {
+        let species = Species::default().with_years(14);
+        let structure = Structure::new(&species, 3, 1 << 24);
+        (species, structure)
+    }
+
+    #[test]
+    fn golden_steps_by_hand() {
+        let golden = 137.5f32.to_radians();
+        // 2·137.5 = 275, which is 85 from a full turn; 3·137.5 = 412.5, 52.5 beyond one; 8·137.5 = 1100, 20 beyond three.
+        for (steps, degrees) in [(1, 137.5f32), (2, 85.0), (3, 52.5), (8, 20.0)] {
+            assert!((apart(steps, golden).to_degrees() - degrees).abs() < 1e-3, "{steps}");
+        }
+    }
+
+    #[test]
+    fn lengths_keep_equation_5() {
+        let (species, structure) = cottonwood();
+        assert_eq!(structure.years, 14);
+        for axis in &structure.axes {
+            let shoots = structure.shoots_until(axis, 14);
+            assert!(shoots[0].length >= species.least_shoot);
+            for pair in shoots.windows(2) {
+                let rounding = 1e-6 * pair[1].length;
+                assert!(eq::grows_enough(pair[0].length, pair[1].length + rounding, species.least_shoot));
+                assert!(pair[1].metamers > pair[0].metamers);
+            }
+        }
+    }
+
+    /// Section 4.3's rule of 40°, looked up in the finished structure.
+    #[test]
+    fn longest_laterals_turn_away_from_those_of_the_year_before() {
+        let (species, structure) = cottonwood();
+        let mut shoots = 0;
+        for axis in &structure.axes {
+            let counts: Vec<u32> =
+                structure.shoots_until(axis, 14).iter().map(|shoot| shoot.metamers).collect();
+            for i in 1..counts.len() {
+                // G_ss rises to the tip: the two uppermost are the longest.
+                let longest_before = counts[i - 1] - 1;
+                for k in 1..=(counts[i] - counts[i - 1]).min(2) {
+                    assert!(apart(counts[i] - k - longest_before, species.divergence) >= LEAST_ANGLE);
+                    shoots += 1;
+                }
+            }
+        }
+        assert!(shoots > 1000);
+    }
+
+    #[test]
+    fn nothing_outlives_what_bears_it() {
+        let (_, structure) = cottonwood();
+        for (number, axis) in structure.axes.iter().enumerate().skip(1) {
+            let parent = &structure.axes[axis.parent as usize];
+            assert!((axis.parent as usize) < number && axis.lost <= parent.lost);
+            assert!(axis.lost >= f32::from(axis.first_year).min(parent.lost));
+            assert!(axis.first_year > parent.first_year && axis.scale <= parent.scale);
+        }
+    }
+
+    #[test]
+    fn runaway_branching_stops_and_keeps_whole_years() {
+        let one = || Curve::constant(1.0).unwrap();
+        let species = Species::default()
+            .with_branch_scale(one())
+            .with_shoot_scale(one())
+            .with_scale_variation(0.0)
+            .with_least_scale(0.0)
+            .with_most_order(16)
+            .with_lifespan(Curve::constant(1e4).unwrap());
+        let structure = Structure::new(&species, 1, 100_000);
+        assert!(structure.refused.is_some_and(|nodes| nodes > 100_000));
+        assert!(structure.years > 2 && structure.years < 10 && structure.nodes <= 100_000);
+        let smaller = Structure::new(&species, 1, structure.nodes);
+        assert_eq!((smaller.years, smaller.nodes), (structure.years, structure.nodes));
+    }
+}

@@ -1,0 +1,187 @@
+//! Trees that grow over the years by positional information: the figures of Galbraith, Mündermann and Wyvill 2004, and
+//! four more species.
+
+use super::look::{self, Look};
+use crate::ParameterError;
+use crate::foliage::{Leaf, Leaves};
+use crate::growth::{Curve, Growth, Species, Stand};
+use crate::surface::Material;
+use std::f32::consts::PI;
+
+/// A tree of [`growth`](crate::growth) at the ages that its figure shows.
+#[derive(Debug, Clone, Copy)]
+#[non_exhaustive]
+pub struct Grown {
+    /// Its name, e.g. `growth-15-cottonwood`.
+    pub name: &'static str,
+    /// The number of the figure; 0 beyond the paper.
+    pub figure: u8,
+    /// What it shows.
+    pub caption: &'static str,
+    /// The ages of its pictures, years.
+    pub ages: &'static [f32],
+    /// The seed of its pictures.
+    pub seed: u64,
+    /// Whether it lies in the plane z = 0, for a drawing.
+    pub planar: bool,
+    species: fn() -> Result<Species, ParameterError>,
+    look: Look,
+    leaf: fn() -> Leaf,
+}
+
+impl Grown {
+    /// The species.
+    ///
+    /// # Errors
+    /// None for the presets of this module.
+    pub fn species(&self) -> Result<Species, ParameterError> {
+        (self.species)()
+    }
+
+    /// The tree, to be had at any age.
+    ///
+    /// # Errors
+    /// None for the presets of this module.
+    pub fn grow(&self, seed: u64) -> Result<Growth, ParameterError> {
+        Growth::new(self.species()?, seed)
+    }
+
+    /// What its bark looks like.
+    pub fn bark(&self) -> Material {
+        self.look.bark()
+    }
+
+    /// The leaves that hang on a stand, a value a colour.
+    pub fn leaves(&self, stand: &Stand) -> Vec<Leaves> {
+        Leaves::grown(stand, &(self.leaf)())
+    }
+
+    const fn new(
+        name: &'static str,
+        figure: u8,
+        caption: &'static str,
+        ages: &'static [f32],
+        species: fn() -> Result<Species, ParameterError>,
+    ) -> Self {
+        let leaf = || Leaf::deltoid().with_petiole(0.6);
+        Self { name, figure, caption, ages, seed: 1, planar: false, species, look: look::POPLAR, leaf }
+    }
+
+    const fn planar(mut self) -> Self {
+        self.planar = true;
+        self
+    }
+
+    const fn like(mut self, look: Look, leaf: fn() -> Leaf) -> Self {
+        (self.look, self.leaf) = (look, leaf);
+        self
+    }
+}
+
+/// All presets of [`growth`](crate::growth): those of the figures, then other species.
+pub fn grown() -> impl Iterator<Item = &'static Grown> {
+    GROWN.iter()
+}
+
+/// The preset of this name.
+pub fn grown_by_name(name: &str) -> Option<&'static Grown> {
+    grown().find(|preset| preset.name == name)
+}
+
+/// Ages of a tree that is drawn in lines: the end of a year, when shoots are done.
+const DRAWN: &[f32] = &[4.0, 8.0, 14.0, 20.0, 27.0];
+
+const SPECIES_OF_30: &[f32] = &[4.6, 12.6, 29.6];
+const SPECIES_OF_40: &[f32] = &[6.6, 16.6, 39.6];
+
+const GROWN: &[Grown] = &[
+    Grown::new(
+        "growth-08-lengths",
+        8,
+        "Each year's growth in turn blue and red, the new one green.",
+        DRAWN,
+        lengths,
+    )
+    .planar(),
+    Grown::new("growth-09-headings", 9, "Short branches turn up, long ones get an S.", DRAWN, headings)
+        .planar(),
+    Grown::new("growth-10-scale", 10, "An exaggerated scale factor.", DRAWN, scales).planar(),
+    Grown::new(
+        "growth-11-loss",
+        11,
+        "Short branches are lost, but for the young near the top.",
+        DRAWN,
+        losses,
+    )
+    .planar(),
+    Grown::new("growth-12-shoot", 12, "A shoot unfolds.", &[0.33, 0.38, 0.42, 0.46, 0.5, 0.6], || {
+        Ok(Species::cottonwood().with_most_order(0))
+    }),
+    Grown::new(
+        "growth-13-foliage",
+        13,
+        "Leaves come, turn and fall in one year.",
+        &[8.2, 8.36, 8.42, 8.6, 8.78, 8.82, 8.86, 9.0],
+        || Ok(Species::cottonwood()),
+    ),
+    Grown::new(
+        "growth-15-cottonwood",
+        15,
+        "An Eastern cottonwood of 27 years, from a broom stick to a rounded crown.",
+        &[2.6, 5.6, 10.6, 18.6, 26.6],
+        || Ok(Species::cottonwood()),
+    ),
+    Grown::new("growth-spruce", 0, "A spruce: one trunk to the top, a slender cone.", SPECIES_OF_40, || {
+        Ok(Species::spruce())
+    })
+    .like(look::SPRUCE, Leaf::needles),
+    Grown::new("growth-lombardy-poplar", 0, "A Lombardy poplar: a column.", SPECIES_OF_30, || {
+        Ok(Species::lombardy_poplar())
+    }),
+    Grown::new("growth-weeping-birch", 0, "A birch whose twigs hang.", SPECIES_OF_30, || {
+        Ok(Species::weeping_birch())
+    })
+    .like(look::BIRCH, || Leaf::deltoid().with_petiole(0.4)),
+    Grown::new("growth-spreading-oak", 0, "An oak in the open, wider than high.", SPECIES_OF_40, || {
+        Ok(Species::spreading_oak())
+    })
+    .like(look::OAK, Leaf::sinuate),
+];
+
+/// Figure 8: two branches a year in one plane, straight, none scaled, none lost.
+fn lengths() -> Result<Species, ParameterError> {
+    Ok(Species::cottonwood()
+        .with_most_order(1)
+        .with_divergence(PI)
+        .with_variation(0.0)
+        .with_scale_variation(0.0)
+        .with_tropism(0.0)
+        .with_least_scale(0.5)
+        .with_metamers(Curve::constant(6.0)?)
+        .with_shoot_scale(Curve::new([[0.0, 0.0], [0.7, 0.0], [0.8, 1.0], [1.0, 1.0]])?)
+        .with_short_heading(Curve::constant(0.0)?)
+        .with_long_heading(Curve::constant(0.0)?)
+        .with_branching_angle(Curve::constant(0.9)?)
+        .with_branch_scale(Curve::constant(1.0)?)
+        .with_lifespan(Curve::constant(1e4)?))
+}
+
+/// Figure 9: the same with headings, those of long branches exaggerated for the eye.
+fn headings() -> Result<Species, ParameterError> {
+    let degrees =
+        |points: [[f32; 2]; 4]| Curve::new(points.map(|[place, angle]| [place, angle.to_radians()]));
+    Ok(lengths()?
+        .with_short_heading(degrees([[0.0, 0.0], [0.4, 10.0], [0.8, 28.0], [1.0, 34.0]])?)
+        .with_long_heading(degrees([[0.0, -4.0], [0.3, -28.0], [0.6, -22.0], [1.0, 36.0]])?))
+}
+
+/// Figure 10: branches by turns long and short.
+fn scales() -> Result<Species, ParameterError> {
+    let wave = (0..=16).map(|i| [i as f32 / 16.0, if i % 2 == 0 { 1.0 } else { 0.3 }]);
+    Ok(headings()?.with_least_scale(0.0).with_branch_scale(Curve::new(wave)?))
+}
+
+/// Figure 11: the short ones of figure 10 are lost by the age of seven, the long ones stay.
+fn losses() -> Result<Species, ParameterError> {
+    Ok(scales()?.with_lifespan(Curve::new([[0.0, 3.0], [0.6, 7.0], [0.8, 60.0]])?))
+}

@@ -1,0 +1,6 @@
+//! Trees that grow over the years by positional information.
+
+mod curves;
+mod figures;
+mod invariants;
+mod timelines;
