@@ -56,7 +56,7 @@ fn a_board_covers_its_pixels() {
 }
 
 #[test]
-fn vertices_have_colours_of_their_own() {
+fn vertices_have_colors_of_their_own() {
     let mut mesh = board(1.0);
     mesh.colors = vec![[1.0, 0.0, 0.0], [0.0, 0.0, 1.0], [0.0, 0.0, 1.0], [1.0, 0.0, 0.0]];
     let bark = Material::bark().with_color(WHITE);

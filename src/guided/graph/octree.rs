@@ -44,7 +44,7 @@ pub(super) struct Leaf {
     /// Along each axis; even.
     pub(super) cells: i32,
     level: u32,
-    colour: usize,
+    color: usize,
 }
 
 impl<'a> Octree<'a> {
@@ -95,7 +95,7 @@ impl<'a> Octree<'a> {
                     high,
                     cells: 2 * (cells(low) * 0.5).ceil() as i32,
                     level,
-                    colour: (parity.x | parity.y << 1 | parity.z << 2) as usize,
+                    color: (parity.x | parity.y << 1 | parity.z << 2) as usize,
                 });
                 return;
             }
@@ -120,7 +120,7 @@ impl<'a> Octree<'a> {
     ) -> Result<Vec<Vec3>, GraphError> {
         report(observer, Work::Nodes, 0.0)?;
         let mut order: Vec<usize> = (0..self.leaves.len()).collect();
-        let phase = |leaf: usize| (self.leaves[leaf].level, self.leaves[leaf].colour);
+        let phase = |leaf: usize| (self.leaves[leaf].level, self.leaves[leaf].color);
         order.sort_by_key(|&leaf| phase(leaf));
         let mut filled: Vec<Vec<Vec3>> = vec![Vec::new(); self.leaves.len()];
         let mut done = 0;

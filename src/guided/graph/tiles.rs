@@ -106,12 +106,12 @@ impl<'a> Plan<'a> {
             fixed[index(place)].push(node);
         }
         let mut filled: Vec<Vec<Vec3>> = vec![Vec::new(); count];
-        let colours = if self.planar { 4 } else { 8 };
-        for colour in 0..colours {
+        let colors = if self.planar { 4 } else { 8 };
+        for color in 0..colors {
             let phase: Vec<usize> = (0..count)
                 .filter(|&index| {
                     let tile = at(index) & 1;
-                    tile.x | tile.y << 1 | tile.z << 2 == colour && self.touches(at(index))
+                    tile.x | tile.y << 1 | tile.z << 2 == color && self.touches(at(index))
                 })
                 .collect();
             let nodes = parallel::map(phase.len(), |i| {
@@ -122,7 +122,7 @@ impl<'a> Plan<'a> {
             for (index, nodes) in phase.into_iter().zip(nodes) {
                 filled[index] = nodes;
             }
-            report(observer, Work::Nodes, (colour + 1) as f32 / colours as f32)?;
+            report(observer, Work::Nodes, (color + 1) as f32 / colors as f32)?;
         }
         let mut order: Vec<usize> = (0..count).filter(|&index| !filled[index].is_empty()).collect();
         order.sort_by_key(|&index| morton(at(index).as_vec3().to_array()));

@@ -143,7 +143,7 @@ impl<S: Solid> Octree<'_, S> {
         self.crossings(among, ray, |crossing| {
             let (point, normal) = crossing.place(ray);
             // Within a solid it is dark.
-            let color = crossing.leaf.map_or([0.0; 3], |(leaf, _)| leaf.part.colour(point));
+            let color = crossing.leaf.map_or([0.0; 3], |(leaf, _)| leaf.part.color(point));
             hit = Some(Hit { point, normal, color: color.into() });
             ControlFlow::Break(())
         });

@@ -110,7 +110,7 @@ impl Part for Near {
         (self.value(point), Vec3::from_array(slope) / (2.0 * step))
     }
 
-    fn colour(&self, point: Vec3) -> [f32; 3] {
+    fn color(&self, point: Vec3) -> [f32; 3] {
         self.all[self.nearest(point).1 as usize].1
     }
 

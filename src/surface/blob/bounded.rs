@@ -14,30 +14,30 @@ const MEETING: f32 = 0.45;
 pub struct Bounded {
     pub(super) inside: Operator,
     pub(super) outside: Operator,
-    colour: Option<[f32; 3]>,
+    color: Option<[f32; 3]>,
 }
 
 impl Bounded {
     /// The operators where the bounding field is 1 and where it is 0: the paper's B₁ and B₂.
     pub fn new(inside: Operator, outside: Operator) -> Self {
-        Self { inside, outside, colour: None }
+        Self { inside, outside, color: None }
     }
 
     /// The linear RGB colour that the surface takes where the parts meet, as far as the bounding field is 1; default none.
     ///
     /// Its share is the bounding field, as far as the second greatest field of the parts is felt: so all of it where two
     /// surfaces meet, and nothing where but one is felt (figure 6).
-    pub fn with_colour(mut self, linear: [f32; 3]) -> Self {
-        self.colour = Some(linear);
+    pub fn with_color(mut self, linear: [f32; 3]) -> Self {
+        self.color = Some(linear);
         self
     }
 
     pub(super) fn check(&self) -> Result<(), ParameterError> {
         self.inside.check()?;
         self.outside.check()?;
-        let colour = self.colour.unwrap_or_default();
-        let holds = colour.iter().all(|channel| (0.0..=1.0).contains(channel));
-        ParameterError::unless(holds, "Bounded.colour", colour, "0 to 1 each")
+        let color = self.color.unwrap_or_default();
+        let holds = color.iter().all(|channel| (0.0..=1.0).contains(channel));
+        ParameterError::unless(holds, "Bounded.color", color, "0 to 1 each")
     }
 
     /// The one of its operators that needs more parts.
@@ -55,8 +55,8 @@ impl Bounded {
         self.inside.is_contact() || self.outside.is_contact()
     }
 
-    pub(super) fn has_no_colour(&self) -> bool {
-        self.colour.is_none()
+    pub(super) fn has_no_color(&self) -> bool {
+        self.color.is_none()
     }
 
     pub(super) fn bounds(&self, parts: &[Bounds]) -> Bounds {
@@ -91,15 +91,15 @@ impl Bounded {
     }
 
     /// The colour of all parts together from their values and colours, where the bounding field has a value.
-    pub(super) fn colour(&self, parts: &[(f32, [f32; 3])], field: f32) -> [f32; 3] {
-        let outside = self.outside.colour(parts);
+    pub(super) fn color(&self, parts: &[(f32, [f32; 3])], field: f32) -> [f32; 3] {
+        let outside = self.outside.color(parts);
         if field <= 0.0 {
             return outside;
         }
         let values: SmallVec<[f32; 8]> = parts.iter().map(|part| part.0).collect();
         let shares = [(1.0 - field) * self.outside.combine(&values), field * self.inside.combine(&values)];
-        let mut colour = mixed(&[(shares[0], outside), (shares[1], self.inside.colour(parts))]);
-        if let Some(own) = self.colour {
+        let mut color = mixed(&[(shares[0], outside), (shares[1], self.inside.color(parts))]);
+        if let Some(own) = self.color {
             let (mut best, mut second) = (0.0f32, 0.0f32);
             for &(value, _) in parts {
                 second = second.max(value.min(best));
@@ -107,9 +107,9 @@ impl Bounded {
             }
             let meeting = (second / MEETING).min(1.0);
             let share = field * meeting * meeting * (3.0 - 2.0 * meeting);
-            colour = mixed(&[(1.0 - share, colour), (share, own)]);
+            color = mixed(&[(1.0 - share, color), (share, own)]);
         }
-        colour
+        color
     }
 }
 

@@ -24,14 +24,14 @@ pub struct Curve {
     turn: f32,
     field: FieldFunction,
     strength: f32,
-    colour: [f32; 3],
+    color: [f32; 3],
 }
 
 impl Curve {
     /// Through `points` (metres), with the radius of each, metres. A single point is a ball.
     pub fn new(points: Vec<Vec3>, radii: Vec<f32>) -> Self {
         let (field, strength) = (FieldFunction::default(), 1.0);
-        Self { points, radii, tangents: [None; 2], turn: 0.15, field, strength, colour: BARK }
+        Self { points, radii, tangents: [None; 2], turn: 0.15, field, strength, color: BARK }
     }
 
     /// The directions at both ends, where they are not to be found from the points: of any length above zero.
@@ -59,8 +59,8 @@ impl Curve {
     }
 
     /// The linear RGB colour, each 0 to 1.
-    pub fn with_colour(mut self, linear: [f32; 3]) -> Self {
-        self.colour = linear;
+    pub fn with_color(mut self, linear: [f32; 3]) -> Self {
+        self.color = linear;
         self
     }
 
@@ -81,7 +81,7 @@ impl Curve {
             Primitive::cone(ends, radii)
                 .with_field(self.field)
                 .with_strength(self.strength)
-                .with_colour(self.colour)
+                .with_color(self.color)
         };
         if knots.len() == 1 {
             return Ok(vec![cone([knots[0].0; 2], [knots[0].1; 2])]);

@@ -72,8 +72,8 @@ impl BlobTree {
     }
 
     /// The linear RGB colour at a point on the surface; black where nothing is felt.
-    pub fn colour(&self, point: Vec3) -> [f32; 3] {
-        self.scene.colour(self.scene.near(point).into_iter().rev(), point)
+    pub fn color(&self, point: Vec3) -> [f32; 3] {
+        self.scene.color(self.scene.near(point).into_iter().rev(), point)
     }
 
     /// What counts within a box, metres. All of it, if the box is that of the [whole](Self::bounds).

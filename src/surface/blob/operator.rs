@@ -252,7 +252,7 @@ impl Operator {
     }
 
     /// The colour of all parts together from their values and colours.
-    pub(super) fn colour(self, parts: &[(f32, [f32; 3])]) -> [f32; 3] {
+    pub(super) fn color(self, parts: &[(f32, [f32; 3])]) -> [f32; 3] {
         let by = |better: fn(f32, f32) -> bool| {
             parts.iter().copied().reduce(|best, part| if better(part.0, best.0) { part } else { best })
         };
@@ -267,7 +267,7 @@ impl Operator {
             }
             Self::Pressed(_) => Some(parts[0]),
         };
-        one.map_or([0.0; 3], |(_, colour)| colour)
+        one.map_or([0.0; 3], |(_, color)| color)
     }
 }
 
@@ -278,8 +278,8 @@ pub(super) fn mixed(parts: &[(f32, [f32; 3])]) -> [f32; 3] {
     let mut mix = first.1;
     if sum > 0.0 {
         // From the first on, so that a single colour stays as it is.
-        for (value, colour) in parts {
-            for (mix, (to, from)) in mix.iter_mut().zip(colour.iter().zip(&first.1)) {
+        for (value, color) in parts {
+            for (mix, (to, from)) in mix.iter_mut().zip(color.iter().zip(&first.1)) {
                 *mix += (to - from) * (value / sum);
             }
         }

@@ -38,9 +38,9 @@ impl BlobPart {
         self.scene.gradient(self.steps.iter().copied(), point)
     }
 
-    /// As [`BlobTree::colour`], at a point of the box.
-    pub fn colour(&self, point: Vec3) -> [f32; 3] {
-        self.scene.colour(self.steps.iter().copied(), point)
+    /// As [`BlobTree::color`], at a point of the box.
+    pub fn color(&self, point: Vec3) -> [f32; 3] {
+        self.scene.color(self.steps.iter().copied(), point)
     }
 
     /// The number of primitives and operators that count.
@@ -68,8 +68,8 @@ impl Part for BlobPart {
         self.gradient(point)
     }
 
-    fn colour(&self, point: Vec3) -> [f32; 3] {
-        self.colour(point)
+    fn color(&self, point: Vec3) -> [f32; 3] {
+        self.color(point)
     }
 
     fn detail(&self) -> f32 {
@@ -241,7 +241,7 @@ impl Scene {
         if bounding.is_nothing() {
             return self.combined(self.outside(number), start, parts, fates);
         }
-        if bounding.least >= 1.0 && style.has_no_colour() {
+        if bounding.least >= 1.0 && style.has_no_color() {
             return self.combined(self.inside(number), start, parts, fates);
         }
         let ignores = style.ignores_nothing();

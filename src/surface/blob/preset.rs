@@ -74,17 +74,14 @@ impl BlobPreset {
                 let root = builder.combine(operator, lines)?;
                 builder.finish(root)
             }
-            Scene::Bounded(colour) => {
+            Scene::Bounded(color) => {
                 let mut builder = BlobTreeBuilder::default();
                 let lines = lines(&mut builder)?;
                 let axil = Primitive::point(Vec3::new(0.36, 0.36, 0.0), 0.62);
                 let field = builder.add(axil.with_field(FieldFunction::Bounding { inner: 0.4 }))?;
                 let style = Bounded::default();
-                let root = builder.bounded(
-                    lines,
-                    colour.map_or(style, |colour| style.with_colour(colour)),
-                    field,
-                )?;
+                let root =
+                    builder.bounded(lines, color.map_or(style, |color| style.with_color(color)), field)?;
                 builder.finish(root)
             }
             Scene::Fork(years) => match fork(years) {
@@ -97,9 +94,9 @@ impl BlobPreset {
 
 fn lines(builder: &mut BlobTreeBuilder) -> Result<[super::Node; 2], BlobError> {
     let [from, to] = [Vec3::new(0.0, -2.0, 0.0), Vec3::new(0.0, 2.0, 0.0)];
-    let stem = builder.add(Primitive::line(from, to, 0.22).with_colour(BARK))?;
+    let stem = builder.add(Primitive::line(from, to, 0.22).with_color(BARK))?;
     let lateral = Primitive::line(Vec3::new(0.0, -0.3, 0.0), Vec3::new(2.0, 1.7, 0.0), 0.17);
-    Ok([stem, builder.add(lateral.with_colour(BARK))?])
+    Ok([stem, builder.add(lateral.with_color(BARK))?])
 }
 
 /// The fork of figure 7, after `years` from the second shoot on: a shoot of two years that goes on and bears one lateral, near

@@ -22,7 +22,7 @@ pub struct Primitive {
     pub(super) radii: [f32; 2],
     pub(super) field: FieldFunction,
     pub(super) strength: f32,
-    pub(super) colour: [f32; 3],
+    pub(super) color: [f32; 3],
 }
 
 impl Primitive {
@@ -39,7 +39,7 @@ impl Primitive {
     /// A cone segment with round ends and a radius at each, metres.
     pub fn cone(ends: [Vec3; 2], radii: [f32; 2]) -> Self {
         let bark = super::BARK;
-        Self { ends, radii, field: FieldFunction::default(), strength: 1.0, colour: bark }
+        Self { ends, radii, field: FieldFunction::default(), strength: 1.0, color: bark }
     }
 
     /// The field function; default [`FieldFunction::Smooth`] with the width 1/2.
@@ -60,8 +60,8 @@ impl Primitive {
     }
 
     /// The linear RGB colour, each 0 to 1; default a grey brown.
-    pub fn with_colour(mut self, linear: [f32; 3]) -> Self {
-        self.colour = linear;
+    pub fn with_color(mut self, linear: [f32; 3]) -> Self {
+        self.color = linear;
         self
     }
 
@@ -77,8 +77,8 @@ impl Primitive {
         self.field.check()?;
         let holds = (0.0..=1.0).contains(&self.strength);
         ParameterError::unless(holds, "Primitive.strength", self.strength, "0 to 1")?;
-        let holds = self.colour.iter().all(|channel| (0.0..=1.0).contains(channel));
-        ParameterError::unless(holds, "Primitive.colour", self.colour, "0 to 1 each")
+        let holds = self.color.iter().all(|channel| (0.0..=1.0).contains(channel));
+        ParameterError::unless(holds, "Primitive.color", self.color, "0 to 1 each")
     }
 }
 
@@ -94,7 +94,7 @@ pub(super) struct Leaf {
     growth: f32,
     field: FieldFunction,
     strength: f32,
-    pub(super) colour: [f32; 3],
+    pub(super) color: [f32; 3],
     /// Which affine warp takes points into its space; 0 is none.
     pub(super) warp: u32,
 }
@@ -132,7 +132,7 @@ impl Leaf {
             growth: if sound { end - start } else { 0.0 },
             field: primitive.field,
             strength: primitive.strength,
-            colour: primitive.colour,
+            color: primitive.color,
             warp,
         }
     }

@@ -246,7 +246,7 @@ impl Scene {
     }
 
     /// The colour.
-    pub(super) fn colour(&self, steps: impl Iterator<Item = Kind>, point: Vec3) -> [f32; 3] {
+    pub(super) fn color(&self, steps: impl Iterator<Item = Kind>, point: Vec3) -> [f32; 3] {
         let mut stack: SmallVec<[(f32, [f32; 3]); 24]> = SmallVec::new();
         for step in steps {
             let values =
@@ -255,12 +255,12 @@ impl Scene {
                 Kind::Nothing => (0.0, [0.0; 3]),
                 Kind::Leaf(number) => {
                     let leaf = &self.leaves[number as usize];
-                    (leaf.value(self.place(leaf, point)), leaf.colour)
+                    (leaf.value(self.place(leaf, point)), leaf.color)
                 }
                 Kind::Combine { operator, parts } => {
                     let start = stack.len() - parts as usize;
                     let (operator, parts) = (self.operators[operator as usize], &stack[start..]);
-                    let felt = (operator.combine(&values(parts)), operator.colour(parts));
+                    let felt = (operator.combine(&values(parts)), operator.color(parts));
                     stack.truncate(start);
                     felt
                 }
@@ -268,7 +268,7 @@ impl Scene {
                     let field = stack.pop().map_or(0.0, |part| part.0);
                     let start = stack.len() - parts as usize;
                     let (style, parts) = (&self.styles[style as usize], &stack[start..]);
-                    let felt = (style.combine(&values(parts), field), style.colour(parts, field));
+                    let felt = (style.combine(&values(parts), field), style.color(parts, field));
                     stack.truncate(start);
                     felt
                 }

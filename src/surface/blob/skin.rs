@@ -143,9 +143,9 @@ impl Skin {
         ParameterError::unless(holds, "Skin.scar_years", self.scar_years, "above 1, to 100,000")?;
         let holds = self.ridge_years > 0.0 && self.ridge_years <= 1e5;
         ParameterError::unless(holds, "Skin.ridge_years", self.ridge_years, "above 0, to 100,000")?;
-        for (name, colour) in [("Skin.bark", self.bark), ("Skin.mark", self.mark)] {
-            let holds = colour.iter().all(|channel| (0.0..=1.0).contains(channel));
-            ParameterError::unless(holds, name, colour, "0 to 1 each")?;
+        for (name, color) in [("Skin.bark", self.bark), ("Skin.mark", self.mark)] {
+            let holds = color.iter().all(|channel| (0.0..=1.0).contains(channel));
+            ParameterError::unless(holds, name, color, "0 to 1 each")?;
         }
         Ok(())
     }
@@ -253,7 +253,7 @@ impl Tailor<'_> {
                 .with_tangents(joint(start), joint(stop))
                 .with_turn(self.skin.turn)
                 .with_field(FieldFunction::Smooth { width: self.skin.blend })
-                .with_colour(self.skin.bark);
+                .with_color(self.skin.bark);
             curves.push(curve);
         }
         let mut joints: Vec<u32> = ends.iter().map(|&i| nodes[i]).collect();
@@ -294,7 +294,7 @@ impl Tailor<'_> {
             .with_field(FieldFunction::Bounding { inner: 0.66 })
             .with_strength(strength);
         let field = self.builder.add(bounding)?;
-        let style = Bounded::new(self.pressed(), Operator::Union).with_colour(skin.mark);
+        let style = Bounded::new(self.pressed(), Operator::Union).with_color(skin.mark);
         self.builder.bounded([shoot, next], style, field)
     }
 
@@ -321,7 +321,7 @@ impl Tailor<'_> {
             .with_field(FieldFunction::Bounding { inner: lerp(0.7, 0.4) })
             .with_strength(skin.ridges);
         let field = self.builder.add(bounding)?;
-        let style = Bounded::new(self.pressed(), Operator::Sum).with_colour(skin.mark);
+        let style = Bounded::new(self.pressed(), Operator::Sum).with_color(skin.mark);
         self.builder.bounded([bearer, lateral], style, field)
     }
 

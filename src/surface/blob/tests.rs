@@ -28,15 +28,15 @@ fn fields() -> impl Strategy<Value = FieldFunction> {
 }
 
 fn primitives() -> impl Strategy<Value = Primitive> {
-    let colours = [0.0f32..1.0, 0.0f32..1.0, 0.0f32..1.0];
-    (places(), places(), 0.1f32..0.5, 0.1f32..0.5, fields(), 0..3, colours).prop_map(
-        |(a, b, r, s, field, kind, colour)| {
+    let colors = [0.0f32..1.0, 0.0f32..1.0, 0.0f32..1.0];
+    (places(), places(), 0.1f32..0.5, 0.1f32..0.5, fields(), 0..3, colors).prop_map(
+        |(a, b, r, s, field, kind, color)| {
             let primitive = match kind {
                 0 => Primitive::point(a, r),
                 1 => Primitive::line(a, b, r),
                 _ => Primitive::cone([a, b], [r, s]),
             };
-            primitive.with_field(field).with_colour(colour)
+            primitive.with_field(field).with_color(color)
         },
     )
 }
@@ -183,11 +183,11 @@ proptest! {
                     prop_assert_eq!(part.value(point).to_bits(), expected.0.to_bits());
                     prop_assert_eq!(bits(tree.gradient(point)), bits(expected));
                     prop_assert_eq!(bits(coverage.gradient(point)), bits(expected));
-                    let colours = [part.colour(point), tree.colour(point)];
-                    let expected_colour = tree.scene.colour(tree.scene.kinds.iter().copied(), point);
+                    let colors = [part.color(point), tree.color(point)];
+                    let expected_color = tree.scene.color(tree.scene.kinds.iter().copied(), point);
                     // Where next to nothing is felt there is no surface to colour.
-                    for colour in colours.into_iter().filter(|_| expected.0 > -0.45) {
-                        for (a, b) in colour.iter().zip(&expected_colour) {
+                    for color in colors.into_iter().filter(|_| expected.0 > -0.45) {
+                        for (a, b) in color.iter().zip(&expected_color) {
                             prop_assert!((a - b).abs() < 1e-4 && (-1e-4..=1.0001).contains(a), "{a} is not {b} at {point} of {expected:?}");
                         }
                     }

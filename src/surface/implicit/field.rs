@@ -258,7 +258,7 @@ impl Part for Felt<'_> {
         std::array::from_fn(|i| level(sum[i] + best[i] * best[i]))
     }
 
-    fn colour(&self, _: Vec3) -> [f32; 3] {
+    fn color(&self, _: Vec3) -> [f32; 3] {
         Material::bark().color()
     }
 

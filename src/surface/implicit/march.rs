@@ -288,7 +288,7 @@ pub(super) fn march<P: Part>(mut bricks: Bricks<P>, colored: bool) -> Result<Mes
                     if let Some((position, normal, solid)) = around.vertex(&values, direction, cell) {
                         part.positions.push(position);
                         part.normals.push(normal);
-                        part.colors.extend(colored.then(|| solid.colour(position)));
+                        part.colors.extend(colored.then(|| solid.color(position)));
                     }
                 }
             }

@@ -106,12 +106,12 @@ mod tests {
     }
 
     #[test]
-    fn colours_are_the_solids() {
+    fn colors_are_the_solids() {
         let tree = by_name("blob-07-04").expect("a preset").blob_tree().expect("sound");
         let voxel = tree.bounds().size().max_element() / 100.0;
         let mesh = Polygonizer::default().with_voxel(voxel).mesh(&tree).expect("a surface");
         for (&position, color) in mesh.positions.iter().zip(&mesh.colors) {
-            assert_eq!(tree.colour(position).map(f32::to_bits), color.map(f32::to_bits));
+            assert_eq!(tree.color(position).map(f32::to_bits), color.map(f32::to_bits));
         }
         let plain =
             Polygonizer::default().with_voxel(voxel).with_colors(false).mesh(&tree).expect("a surface");

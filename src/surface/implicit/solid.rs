@@ -47,7 +47,7 @@ pub(crate) trait Part: Send + Sync {
     }
 
     /// The linear RGB colour at a point on the surface.
-    fn colour(&self, point: Vec3) -> [f32; 3];
+    fn color(&self, point: Vec3) -> [f32; 3];
 
     /// The longest voxel, in metres, that shows the finest feature within the cube.
     fn detail(&self) -> f32;

@@ -94,7 +94,7 @@ impl Part for Piece {
         self.form.at(point)
     }
 
-    fn colour(&self, point: Vec3) -> [f32; 3] {
+    fn color(&self, point: Vec3) -> [f32; 3] {
         [if point.x > 0.0 { 1.0 } else { 0.0 }, 0.5, 0.25]
     }
 

@@ -30,7 +30,7 @@ fn primitives_out_of_range() {
         (unit.with_field(FieldFunction::Smooth { width: 0.0 }), "FieldFunction.width", "0"),
         (unit.with_field(FieldFunction::Bounding { inner: 1.0 }), "FieldFunction.inner", "1"),
         (unit.with_strength(1.5), "Primitive.strength", "1.5"),
-        (unit.with_colour([0.0, -0.1, 0.0]), "Primitive.colour", "-0.1"),
+        (unit.with_color([0.0, -0.1, 0.0]), "Primitive.color", "-0.1"),
     ] {
         names(&BlobTreeBuilder::default().add(primitive).expect_err(parameter), parameter, value);
     }
@@ -76,8 +76,8 @@ fn operators_out_of_range() {
         names(&builder.bounded(parts, style, field).expect_err(parameter), parameter, "");
     }
     let (parts, field) = ([ball(&mut builder), ball(&mut builder)], ball(&mut builder));
-    let style = Bounded::default().with_colour([2.0, 0.0, 0.0]);
-    names(&builder.bounded(parts, style, field).expect_err("a colour"), "Bounded.colour", "2.0");
+    let style = Bounded::default().with_color([2.0, 0.0, 0.0]);
+    names(&builder.bounded(parts, style, field).expect_err("a colour"), "Bounded.color", "2.0");
 }
 
 #[test]
@@ -144,7 +144,7 @@ fn points_that_are_none() {
     let tree = builder.finish(part).expect("a solid");
     for odd in [f32::NAN, f32::INFINITY, f32::MIN] {
         assert_eq!(tree.gradient(Vec3::splat(odd)), (-0.5, Vec3::ZERO));
-        assert_eq!(tree.colour(Vec3::splat(odd)), [0.0; 3]);
+        assert_eq!(tree.color(Vec3::splat(odd)), [0.0; 3]);
         assert!(tree.part(Bounds::around(Vec3::splat(odd), Vec3::ONE)).is_empty());
     }
     assert!(tree.part(Bounds::EMPTY).is_empty());

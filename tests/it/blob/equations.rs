@@ -240,23 +240,23 @@ fn width_costs_little() {
 
 /// Colours follow the fields: the parts' own where they are alone, mixed where they blend, the blend's where they meet.
 #[test]
-fn colours_follow_the_fields() {
+fn colors_follow_the_fields() {
     let mut builder = BlobTreeBuilder::default();
     let (red, blue, green) = ([1.0, 0.0, 0.0], [0.0, 0.0, 1.0], [0.0, 1.0, 0.0]);
-    let stem = builder.add(Primitive::line(Vec3::NEG_Y, Vec3::Y, 0.3).with_colour(red)).expect("a line");
-    let twig = Primitive::line(Vec3::ZERO, Vec3::new(1.0, 1.0, 0.0), 0.3).with_colour(blue);
+    let stem = builder.add(Primitive::line(Vec3::NEG_Y, Vec3::Y, 0.3).with_color(red)).expect("a line");
+    let twig = Primitive::line(Vec3::ZERO, Vec3::new(1.0, 1.0, 0.0), 0.3).with_color(blue);
     let twig = builder.add(twig).expect("a line");
     let axil = Vec3::new(0.3, 0.724, 0.0);
     let field = Primitive::point(axil, 0.4).with_field(FieldFunction::Bounding { inner: 0.5 });
     let field = builder.add(field).expect("a field");
-    let root = builder.bounded([stem, twig], Bounded::default().with_colour(green), field).expect("a blend");
+    let root = builder.bounded([stem, twig], Bounded::default().with_color(green), field).expect("a blend");
     let tree = builder.finish(root).expect("a solid");
-    assert_eq!(tree.colour(Vec3::new(-0.3, -0.6, 0.0)), red);
-    assert_eq!(tree.colour(Vec3::new(1.0, 0.7, 0.0)), blue);
-    let [r, g, b] = tree.colour(axil);
+    assert_eq!(tree.color(Vec3::new(-0.3, -0.6, 0.0)), red);
+    assert_eq!(tree.color(Vec3::new(1.0, 0.7, 0.0)), blue);
+    let [r, g, b] = tree.color(axil);
     assert!(g > 0.95 && r + b < 0.05, "{r} {g} {b}");
     // Below, in the fillet of the sum, half and half.
     let below = Vec3::new(0.35, -0.08, 0.0);
-    let [r, g, b] = tree.colour(below);
+    let [r, g, b] = tree.color(below);
     assert!(g == 0.0 && r > 0.1 && b > 0.1 && (r + b - 1.0).abs() < 1e-5, "{r} {g} {b}");
 }

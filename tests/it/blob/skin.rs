@@ -27,7 +27,7 @@ fn surface(tree: &BlobTree, from: Vec3, way: Vec3) -> Vec3 {
 }
 
 fn brightness(tree: &BlobTree, at: Vec3) -> f32 {
-    tree.colour(at).iter().sum()
+    tree.color(at).iter().sum()
 }
 
 /// The greatest change of the normal between two points a hundredth of a radius apart, along the main axis on the side
@@ -140,10 +140,7 @@ fn figures_are_there_and_the_same_as_ever() {
             let at = [i % 16, i / 16 % 16, i / 256].map(|k| (k as f32 + 0.5) / 16.0);
             let point = preset.view.at(Vec3::from(at));
             let (value, gradient) = tree.gradient(point);
-            [value, gradient.x, gradient.y, gradient.z]
-                .into_iter()
-                .chain(tree.colour(point))
-                .map(f32::to_bits)
+            [value, gradient.x, gradient.y, gradient.z].into_iter().chain(tree.color(point)).map(f32::to_bits)
         })
     });
     let hash = fnv1a(numbers.flat_map(u32::to_le_bytes));

@@ -131,7 +131,7 @@ fn ply_rs_reads_the_ply() {
 }
 
 #[test]
-fn vertices_have_their_colours_in_the_ply() {
+fn vertices_have_their_colors_in_the_ply() {
     let (mut kite, _) = kites();
     kite.colors = vec![[1.0; 3], [0.5, 1.0, 0.0], [0.0; 3], [1.0, 0.0, 1.0]];
     let white = Part::new(&kite).with_material(Material::bark().with_color([1.0; 3]));
