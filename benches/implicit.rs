@@ -27,6 +27,8 @@ const METAMERS: usize = 160_000;
 /// took on a Pentium IV.
 const BLOB_GOAL: f64 = 20_000.0;
 const BLOB_PAPER: f64 = 350_000.0;
+/// The longest side of the skin's box in finest voxels.
+const DETAIL: f32 = 1024.0;
 
 /// The piece that is made on an array too: voxels along each side, the side of one, and the radius of its rod, metres.
 const ARRAY: u32 = 192;
@@ -118,11 +120,7 @@ fn beside_an_array(group: &mut BenchmarkGroup<'_, WallTime>, samples: &mut Sampl
 }
 
 /// The skin of a big tree, as polygons.
-fn of_a_blob_tree(
-    group: &mut BenchmarkGroup<'_, WallTime>,
-    samples: &mut Samples,
-    pools: &[rayon::ThreadPool],
-) {
+fn of_a_blob_tree(samples: &mut Samples, pools: &[rayon::ThreadPool]) {
     let mut tree =
         SelfOrganizing::new(ShadowPropagation::default().with_falloff(1.5f32.sqrt()), Habit::default(), SEED);
     let metamers = measure::size(METAMERS, 2_000);
@@ -131,47 +129,30 @@ fn of_a_blob_tree(
     }
     let skin = Skin::default().blob_tree(&tree.skeleton().expect("a tree")).expect("a skin");
     let longest = skin.bounds().size().max_element();
-    let mut rows = Vec::new();
-    for detail in [1024, measure::size(4096, 512)] {
-        let name = format!("blob tree/{detail}");
-        let surface = Polygonizer::default().with_voxel(longest / detail as f32).with_most_blocks(20_000_000);
-        let mesh = surface.mesh(&skin).expect("a surface");
-        let (vertices, triangles) = (mesh.positions.len(), mesh.triangles().len());
-        drop(mesh);
-        for (pool, threads) in pools.iter().zip(1..) {
-            let name = format!("{name}/{threads}");
-            group.bench_function(&name, |bencher| {
-                samples.time(bencher, &name, || pool.install(|| surface.mesh(&skin)));
-            });
-        }
-        let median = |threads: usize| samples.median(&format!("{name}/{threads}"));
-        let (Some(one), Some(two)) = (median(1), median(2)) else { continue };
-        rows.push(vec![
-            format!("longest side / {detail}"),
-            number(one),
-            number(two),
-            number(two / BLOB_GOAL),
-            number(two / BLOB_PAPER),
-            count(vertices),
-            count(triangles),
-        ]);
+    let surface = Polygonizer::default().with_voxel(longest / DETAIL).with_most_blocks(20_000_000);
+    for (pool, threads) in pools.iter().zip(1..) {
+        samples.thrice(&format!("blob tree/{threads}"), || pool.install(|| surface.mesh(&skin)));
     }
+    let (Some(one), Some(two)) = (samples.median("blob tree/1"), samples.median("blob tree/2")) else {
+        return;
+    };
+    let mesh = surface.mesh(&skin).expect("a surface");
+    let row = vec![
+        number(one),
+        number(two),
+        number(two / BLOB_GOAL),
+        number(two / BLOB_PAPER),
+        count(mesh.positions.len()),
+        count(mesh.triangles().len()),
+    ];
     print_table(
         &format!(
-            "A skin of {} primitives and {} operators:",
+            "A skin of {} primitives and {} operators, its longest side 1024 finest voxels:",
             count(skin.primitives()),
             count(skin.operators())
         ),
-        &[
-            "finest voxel",
-            "one thread, ms",
-            "two, ms",
-            "two / goal",
-            "two / paper's",
-            "vertices",
-            "triangles",
-        ],
-        &rows,
+        &["one thread, ms", "two, ms", "two / goal", "two / paper's", "vertices", "triangles"],
+        &[row],
     );
 }
 
@@ -184,26 +165,17 @@ fn main() {
     let tree = tree.relaxed(0.5, 3).expect("sound options");
     let thinnest = tree.radii().iter().copied().fold(f32::INFINITY, f32::min);
     let surface = Implicit::default().with_voxel(thinnest);
-    let cases = [
-        ("a voxel a radius", surface.clone()),
-        ("0.87 voxels a radius", surface.with_detail(0.87)),
-        ("finest voxel twice as large", Implicit::default().with_voxel(2.0 * thinnest)),
-    ];
+    let cases = [("a voxel a radius", surface.clone()), ("0.87 voxels a radius", surface.with_detail(0.87))];
     let mut samples = Samples::default();
     let mut group = measure::group(&mut criterion, "implicit");
     let mut rows = Vec::new();
     for (name, surface) in &cases {
         let mesh = surface.mesh(&tree).expect("a surface");
         let (vertices, triangles) = (mesh.positions.len(), mesh.triangles().len());
-        group.bench_function(format!("{name}/copy"), |bencher| {
-            samples.time(bencher, &format!("{name}/copy"), || mesh.clone());
-        });
+        samples.thrice(&format!("{name}/copy"), || mesh.clone());
         drop(mesh);
         for (pool, threads) in pools.iter().zip(1..) {
-            group.bench_function(format!("{name}/{threads}"), |bencher| {
-                let work = || pool.install(|| surface.mesh(&tree));
-                samples.time(bencher, &format!("{name}/{threads}"), work);
-            });
+            samples.thrice(&format!("{name}/{threads}"), || pool.install(|| surface.mesh(&tree)));
         }
         let median = |what: &str| samples.median(&format!("{name}/{what}"));
         if let (Some(copy), Some(one), Some(two)) = (median("copy"), median("1"), median("2")) {
@@ -221,7 +193,7 @@ fn main() {
         }
     }
     beside_an_array(&mut group, &mut samples);
-    of_a_blob_tree(&mut group, &mut samples, &pools);
+    of_a_blob_tree(&mut samples, &pools);
     group.finish();
     criterion.final_summary();
     print_table(

@@ -75,6 +75,23 @@ impl Samples {
         self.steps(bencher, name, |_| work());
     }
 
+    /// Measures `work` three times without criterion, whose ten samples of several seconds would take minutes. A name
+    /// that the command line filters out is left out here too.
+    pub(crate) fn thrice<T>(&mut self, name: &str, mut work: impl FnMut() -> T) {
+        let filter = std::env::args().skip(1).rfind(|argument| !argument.starts_with('-'));
+        if filter.is_some_and(|filter| !name.contains(&filter)) {
+            return;
+        }
+        for _ in 0..if is_test() { 1 } else { 3 } {
+            let start = Instant::now();
+            let result = black_box(work());
+            let time = start.elapsed();
+            drop(result);
+            println!("{name}: {:.3} s", time.as_secs_f64());
+            self.add(name.to_owned(), time);
+        }
+    }
+
     /// As [`time`](Self::time), and splits each run into the steps that it reports: `name/step`. `name/graph` and
     /// `name/stages` are sums over steps of the same run.
     pub(crate) fn steps<T>(

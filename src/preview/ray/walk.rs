@@ -8,6 +8,10 @@ use std::ops::ControlFlow;
 /// Steps of regula falsi at a root, at most.
 const REFINEMENTS: usize = 12;
 
+/// Steps through a leaf, at most about: more than its tolerance asks for where it is as small as its detail, and some
+/// hundredths of a pixel where it is as large as a pixel.
+const MOST_STEPS: f32 = 128.0;
+
 /// A piece of a straight line: the points `origin + way * t` for t from `from` to `to`.
 #[derive(Debug, Clone, Copy)]
 pub(in super::super) struct Ray {
@@ -196,8 +200,8 @@ impl<'o, S: Solid, V: FnMut(Crossing<'o, S::Part>) -> ControlFlow<()>> Walk<'_, 
             let point = self.ray.origin + self.ray.way * t;
             leaf.part.value(point.clamp(bounds.min, bounds.max))
         };
-        // Steps that 32-bit floats can tell apart.
-        let least = leaf.tolerance.max(enter.abs().max(leave.abs()) * 4e-7);
+        // Steps that 32-bit floats can tell apart, and not too many where the bound is far above the slopes there are.
+        let least = leaf.tolerance.max(enter.abs().max(leave.abs()) * 4e-7).max((leave - enter) / MOST_STEPS);
         let inverse = 1.0 / leaf.lipschitz;
         let (mut t, mut here) = (enter, value(enter));
         let mut before = None;
