@@ -44,7 +44,7 @@ fn the_same_bits_on_any_number_of_threads() {
     assert_ne!(forest_hash(&grown(2, 12)), hashes[0]);
     assert_eq!(hashes[0], PINNED, "equal seeds no longer give equal forests: a line for CHANGELOG.md");
 }
-pub(super) const PINNED: u64 = 0x3af0_c515_8bcb_2cf5;
+pub(super) const PINNED: u64 = 0x82f6_7018_42d3_b0e1;
 
 #[test]
 fn looking_ahead_changes_nothing() {
