@@ -183,7 +183,7 @@ impl<E: Environment> Forest<E> {
     /// come first, and those of the next part turn from the shadows of all that has grown before. The original goes
     /// bud after bud: more parts come nearer to it, fewer are faster. May change between seasons.
     ///
-    /// One tree of the default habit, 20 seasons, has 17,000 metamers on the average with one part, 20,600 with
+    /// One tree of the default habit, 20 seasons, has 17,000 metamers on the average with one part, 20,700 with
     /// three, and 22,500 by the original's rules.
     pub fn with_parts(mut self, parts: u32) -> Self {
         self.parts = parts;
