@@ -8,14 +8,42 @@ use measure::{Samples, count, number, print_table};
 use treesynth::glam::Vec3;
 use treesynth::self_organizing::{Forest, Habit, ShadowPropagation};
 
-/// Name, trees along a side, seasons; metamers and milliseconds of the original on a machine like this one; goal.
-const CASES: [(&str, usize, u32, usize, f64, f64); 2] =
-    [("one tree", 1, 20, 23_234, 30.0, 10.0), ("25 trees", 5, 21, 184_276, 519.0, 175.0)];
+struct Case {
+    name: &'static str,
+    /// Trees along a side.
+    side: usize,
+    seasons: u32,
+    parts: u32,
+    /// Metamers and milliseconds of the original on a machine like this one.
+    metamers: usize,
+    original: f64,
+    /// Milliseconds.
+    goal: f64,
+}
+
+const ONE: Case =
+    Case { name: "one tree", side: 1, seasons: 20, parts: 1, metamers: 23_234, original: 30.0, goal: 10.0 };
+const MANY: Case = Case {
+    name: "25 trees",
+    side: 5,
+    seasons: 21,
+    parts: 1,
+    metamers: 184_276,
+    original: 519.0,
+    goal: 175.0,
+};
+const CASES: [Case; 4] = [
+    ONE,
+    Case { name: "one tree, 3 parts", parts: 3, ..ONE },
+    MANY,
+    Case { name: "25 trees, 3 parts", parts: 3, ..MANY },
+];
 
 /// The trees stand in the middles of the squares of a lattice over 3.2 m by 3.2 m.
-fn grown(side: usize, seasons: u32, seed: u64) -> Forest {
+fn grown(case: &Case, seed: u64) -> Forest {
+    let (side, seasons) = (case.side, measure::size(case.seasons as usize, 6) as u32);
     let light = ShadowPropagation::default().with_falloff(1.5f32.sqrt());
-    let mut forest = Forest::new(light, Habit::default(), seed);
+    let mut forest = Forest::new(light, Habit::default(), seed).with_parts(case.parts);
     let at = |i: usize| 3.2 * ((i as f32 + 0.5) / side as f32 - 0.5);
     for i in 0..side * side {
         forest.plant(Vec3::new(at(i / side), 0.0, at(i % side))).expect("there is room");
@@ -28,31 +56,30 @@ fn main() {
     measure::single_thread();
     let mut criterion = measure::criterion();
     let mut samples = Samples::default();
-    let seasons = |full: u32| measure::size(full as usize, 6) as u32;
     let mut group = measure::group(&mut criterion, "organizing");
-    for (name, side, full, ..) in CASES {
-        group.bench_function(name, |bencher| {
-            samples.time(bencher, name, || grown(side, seasons(full), measure::SEED));
+    for case in &CASES {
+        group.bench_function(case.name, |bencher| {
+            samples.time(bencher, case.name, || grown(case, measure::SEED));
         });
     }
     #[cfg(feature = "parallel")]
     let pool = rayon::ThreadPoolBuilder::new().num_threads(2).build().expect("a pool of two threads");
     #[cfg(feature = "parallel")]
     group.bench_function("25 trees, two threads", |bencher| {
-        let (name, side, full, ..) = CASES[1];
-        let name = format!("{name}, two threads");
-        samples.time(bencher, &name, || pool.install(|| grown(side, seasons(full), measure::SEED)));
+        let name = format!("{}, two threads", MANY.name);
+        samples.time(bencher, &name, || pool.install(|| grown(&MANY, measure::SEED)));
     });
     group.finish();
     criterion.final_summary();
 
-    let rows = CASES.iter().filter_map(|&(name, side, full, metamers, original, goal)| {
+    let rows = CASES.iter().filter_map(|case| {
+        let &Case { name, metamers, original, goal, .. } = case;
         let time = samples.median(name)?;
         // Trees of one seed differ much, stands do not.
-        let seeds = if side == 1 { 8 } else { 1 };
-        let ours: usize = (1..=seeds).map(|seed| grown(side, seasons(full), seed).metamers()).sum();
+        let seeds = if case.side == 1 { 32 } else { 1 };
+        let ours: usize = (1..=seeds).map(|seed| grown(case, seed).metamers()).sum();
         let ours = ours / seeds as usize;
-        let one = grown(side, seasons(full), measure::SEED).metamers();
+        let one = grown(case, measure::SEED).metamers();
         let each = |time: f64, metamers: usize| time * 1e6 / metamers as f64;
         let two = samples.median(&format!("{name}, two threads"));
         Some(vec![

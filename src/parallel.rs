@@ -40,3 +40,18 @@ pub(crate) fn each_mut<I, T>(items: &mut [I], f: impl Fn(usize, &mut I) -> T) ->
 fn is_worth_it(tasks: usize) -> bool {
     tasks > 1 && rayon::current_num_threads() > 1
 }
+
+/// Into how many tasks to cut work of unequal parts, so that all threads have something to do until the end.
+#[cfg(feature = "parallel")]
+pub(crate) fn tasks() -> usize {
+    match rayon::current_num_threads() {
+        1 => 1,
+        threads => 4 * threads,
+    }
+}
+
+/// One.
+#[cfg(not(feature = "parallel"))]
+pub(crate) fn tasks() -> usize {
+    1
+}

@@ -56,6 +56,13 @@ pub trait Environment: Send + Sync {
     /// In which direction the bud had better grow.
     fn direction(&self, bud: &Bud<'_>) -> Vec3;
 
+    /// Whether [`light`](Self::light) depends on where a bud is and on nothing else of it, so that it need be asked
+    /// once only for both buds of a node. By default it may depend on anything. If this lies, a lateral bud gets the
+    /// light of the main one.
+    fn is_positional(&self) -> bool {
+        false
+    }
+
     /// Nodes have appeared and fallen. The default does not care.
     fn update(&mut self, appeared: &[Vec3], fallen: &[Vec3]) {
         let _ = (appeared, fallen);
@@ -95,6 +102,10 @@ impl<T: Environment + ?Sized> Environment for Box<T> {
 
     fn direction(&self, bud: &Bud<'_>) -> Vec3 {
         (**self).direction(bud)
+    }
+
+    fn is_positional(&self) -> bool {
+        (**self).is_positional()
     }
 
     fn update(&mut self, appeared: &[Vec3], fallen: &[Vec3]) {

@@ -4,7 +4,7 @@ use super::environment::Environment;
 use super::habit::Habit;
 use super::room::Room;
 use super::shadow::ShadowPropagation;
-use super::tree::{Change, Plan, Tree};
+use super::tree::{Change, Part, Plan, Setting, Tree};
 use super::width::Width;
 use crate::observer::{Cancelled, Observer, Silent, Work, report};
 use crate::radius::{RadiusError, RadiusModel};
@@ -17,8 +17,13 @@ use std::sync::Arc;
 /// The most metamers and trees unless said otherwise.
 const MOST_METAMERS: usize = 10_000_000;
 const MOST_TREES: usize = 10_000;
+/// The most parts of a season.
+const MOST_PARTS: u32 = 64;
 /// Trees take turns in a season: those whose numbers leave the same remainder grow at once.
 pub(super) const TURNS: u32 = 4;
+
+/// The environment is told of about so many nodes at once.
+const TOLD: usize = 1 << 18;
 
 /// Trees that grow season by season and compete in one [`Environment`].
 ///
@@ -26,7 +31,7 @@ pub(super) const TURNS: u32 = 4;
 /// it is one for all. In each turn all buds of its trees look at the environment as it is, then vigor is shared out,
 /// branches are shed and shoots grow, tree by tree on all threads, and then the environment is told what changed. So
 /// neighbours do not all grow into the same gap, and the number of threads does not matter. Every random draw is
-/// keyed by (seed, tree, node).
+/// keyed by (seed, tree, node). [`with_parts`](Self::with_parts) does the same for the shoots of one tree.
 ///
 /// With serde a forest is written with its environment's options and all trees, and goes on bit for bit when read
 /// back; what could not have grown is refused. Envelopes and obstacles are not written: add them again.
@@ -64,6 +69,8 @@ pub struct Forest<E: Environment = ShadowPropagation> {
     pub(super) next_tree: u32,
     pub(super) most_metamers: usize,
     pub(super) most_trees: usize,
+    /// In how many parts the shoots of a season grow.
+    pub(super) parts: u32,
 }
 
 /// Why a season did not come to pass.
@@ -127,6 +134,7 @@ impl<E: Environment> Forest<E> {
             next_tree: 0,
             most_metamers: MOST_METAMERS,
             most_trees: MOST_TREES,
+            parts: 1,
         }
     }
 
@@ -168,6 +176,17 @@ impl<E: Environment> Forest<E> {
     /// Sets the most trees; 10,000 by default. When there are so many, seeds do not sprout.
     pub fn with_most_trees(mut self, trees: usize) -> Self {
         self.most_trees = trees;
+        self
+    }
+
+    /// Sets in how many parts the shoots of a season grow, in [1, 64]; 1 by default. The buds that have stood longest
+    /// come first, and those of the next part turn from the shadows of all that has grown before. The original goes
+    /// bud after bud: more parts come nearer to it, fewer are faster. May change between seasons.
+    ///
+    /// One tree of the default habit, 20 seasons, has 17,000 metamers on the average with one part, 20,700 with
+    /// three, and 22,500 by the original's rules.
+    pub fn with_parts(mut self, parts: u32) -> Self {
+        self.parts = parts;
         self
     }
 
@@ -218,6 +237,8 @@ impl<E: Environment> Forest<E> {
         self.room.check()?;
         let most = self.most_metamers;
         ParameterError::unless(most <= 1 << 31, "Forest.most_metamers", most, "at most 2^31")?;
+        let (parts, range) = (self.parts, "1 to 64");
+        ParameterError::unless((1..=MOST_PARTS).contains(&parts), "Forest.parts", parts, range)?;
         self.habits.iter().try_for_each(Habit::check)
     }
 
@@ -293,26 +314,28 @@ impl<E: Environment> Forest<E> {
                 Some(*next - sites.len() as u32)
             }));
         }
-        let environment = &self.environment;
-        let plans = parallel::each_mut(&mut trees, |i, tree| {
-            let first = firsts.get(i).copied().unwrap_or(0);
-            tree.plan(environment, &habits[tree.habit as usize], seed, season, first)
-        });
+        let plans = {
+            let setting = settings(&self.environment, &self.room, habits, seed, season);
+            parallel::each_mut(&mut trees, |i, tree| {
+                tree.plan(&setting(tree), firsts.get(i).copied().unwrap_or(0), self.parts)
+            })
+        };
         check_limits(season, &trees, &plans, standing, self.most_metamers)?;
-        let room = &self.room;
         let mut planned: Vec<(&mut Tree, Plan)> = trees.into_iter().zip(plans).collect();
-        let mut changes = parallel::each_mut(&mut planned, |_, (tree, plan)| {
-            let habit = &habits[tree.habit as usize];
-            tree.carry_out(std::mem::take(plan), room, |point| environment.contains(point), habit, season)
-        });
+        for part in 0..self.parts {
+            let part = Part { index: part, of: self.parts };
+            let changes = {
+                let setting = settings(&self.environment, &self.room, habits, seed, season);
+                parallel::each_mut(&mut planned, |_, (tree, plan)| tree.carry_out(part, plan, &setting(tree)))
+            };
+            tell(&mut self.environment, changes);
+        }
         self.turn = (turn + 1) % turns;
         if self.turn == 0 {
             self.season = season;
-            changes.push(self.bury_and_sow());
+            let change = self.bury_and_sow();
+            tell(&mut self.environment, vec![change]);
         }
-        let appeared: Vec<&[Vec3]> = changes.iter().map(|change| &change.appeared[..]).collect();
-        let fallen: Vec<&[Vec3]> = changes.iter().map(|change| &change.fallen[..]).collect();
-        self.environment.update(&appeared.concat(), &fallen.concat());
         Ok(())
     }
 
@@ -402,6 +425,35 @@ impl<E: Environment> Forest<E> {
     pub fn skeletons(&self) -> Result<Vec<Skeleton>, GrowthError> {
         parallel::map(self.trees.len(), |tree| self.skeleton(&self.trees[tree])).into_iter().collect()
     }
+}
+
+/// What each tree grows in.
+fn settings<'a, E>(
+    environment: &'a E,
+    room: &'a Room,
+    habits: &'a [Habit],
+    seed: u64,
+    season: u16,
+) -> impl Fn(&Tree) -> Setting<'a, E> {
+    move |tree| Setting { environment, room, habit: &habits[tree.habit as usize], seed, season }
+}
+
+/// Tells the environment, of so many nodes at once that the lists take little memory.
+fn tell(environment: &mut impl Environment, changes: Vec<Change>) {
+    let mut now = Change::default();
+    let mut update = |now: &mut Change, least: usize| {
+        if now.appeared.len() + now.fallen.len() >= least {
+            environment.update(&now.appeared, &now.fallen);
+            now.appeared.clear();
+            now.fallen.clear();
+        }
+    };
+    for change in changes {
+        now.appeared.extend(change.appeared);
+        now.fallen.extend(change.fallen);
+        update(&mut now, TOLD);
+    }
+    update(&mut now, 1);
 }
 
 fn check_limits(

@@ -14,6 +14,7 @@
 mod colonization;
 mod environment;
 mod forest;
+mod grid;
 mod habit;
 mod offspring;
 mod room;

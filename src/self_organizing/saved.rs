@@ -22,14 +22,31 @@ pub(super) struct Saved<E> {
     next_tree: u32,
     most_metamers: usize,
     most_trees: usize,
+    /// Files from before there were parts do not have it.
+    #[serde(default = "one")]
+    parts: u32,
+}
+
+fn one() -> u32 {
+    1
 }
 
 impl<E: Environment> TryFrom<Saved<E>> for Forest<E> {
     type Error = ParameterError;
 
     fn try_from(saved: Saved<E>) -> Result<Self, ParameterError> {
-        let Saved { environment, habits, trees, seed, season, turn, next_tree, most_metamers, most_trees } =
-            saved;
+        let Saved {
+            environment,
+            habits,
+            trees,
+            seed,
+            season,
+            turn,
+            next_tree,
+            most_metamers,
+            most_trees,
+            parts,
+        } = saved;
         ParameterError::unless(!habits.is_empty(), "habits", 0, "at least 1")?;
         ParameterError::unless(turn < TURNS, "turn", turn, "below 4")?;
         let room = Room::default();
@@ -44,6 +61,7 @@ impl<E: Environment> TryFrom<Saved<E>> for Forest<E> {
             next_tree,
             most_metamers,
             most_trees,
+            parts,
         };
         forest.check()?;
         let mut last = None;

@@ -1,22 +1,17 @@
 //! Shadow propagation: each node casts a pyramid of shadow onto the cells below it.
 
 use super::environment::{Bud, Environment};
+use super::grid::{Caster, Grid};
 use super::habit::within;
-use crate::math::{self, UP};
+use crate::math::UP;
 use crate::shape::Bounds;
 use crate::{ParameterError, parallel};
 use glam::{IVec3, Vec3};
 
-/// Parts of a `a`, the strongest shadow, that a cell counts in.
-const STEPS: f32 = (1 << 14) as f32;
-/// Cells in z that one task fills; a pyramid then lies on few pages of memory.
-const SLAB: usize = 16;
 /// So many nodes are given their cells at once.
 const PART: usize = 1024;
 /// The most cells of a grid.
 const MOST_CELLS: u64 = 1 << 29;
-/// Cells are added to in groups of so many, which processors do at once.
-const LANES: usize = 4;
 
 /// Light from above that fades below every node: step 1 of the text, first method.
 ///
@@ -25,12 +20,14 @@ const LANES: usize = 4;
 /// `max(C - s + a, 0)`, where C is the full exposure and a its own shadow. The optimal direction is against the
 /// gradient of s, by central differences; up where that is zero.
 ///
-/// The powers are rounded to whole parts of `a / 2^14`, so that sums are exact whatever their order: the grid
-/// after any growth, shedding and cutting is to the bit the one of the nodes that stand. Sums are exact below
-/// 262,144 full shadows on one cell.
+/// The powers are rounded to whole parts of a, so that sums are exact whatever their order: the grid after any
+/// growth, shedding and cutting is to the bit the one of the nodes that stand. The parts are 512 to 729, so that the
+/// faintest power has 64 if possible; those of b = 1.5 down to q = 6 are whole. Sums are exact below five million
+/// full shadows on one cell.
 ///
-/// Time: one pyramid, 455 cells by default, for every node that appears or falls; a cell a bud; six for one that
-/// grows. Memory: 4 bytes a cell, up to the height where nodes are.
+/// Time: one pyramid, 455 cells by default, for every node that appears or falls; a cell for each node with buds; six
+/// for a bud that grows. Memory: 2 bytes a cell of each row of x that was ever in the shade, 4 at heights where a
+/// cell had about 100 full shadows.
 ///
 /// ```
 /// use treesynth::glam::Vec3;
@@ -66,21 +63,6 @@ struct Options {
     strength: f32,
     falloff: f32,
     darkest: Option<f32>,
-}
-
-/// Shadows by cell.
-#[derive(Debug, Clone, PartialEq, Default)]
-struct Grid {
-    /// Cells on each axis.
-    size: IVec3,
-    /// Cells added on each side in x and z, so that no pyramid sticks out.
-    margin: usize,
-    /// Cells from one row to the next.
-    stride: usize,
-    /// What a row of the pyramid adds, by q, zeros at its end; and the same negative (wrapping).
-    table: [Vec<Vec<[u32; LANES]>>; 2],
-    /// One for every [`SLAB`] of z, margins included: layers from the ground up as far as nodes are, of rows of x.
-    slabs: Vec<Vec<Vec<u32>>>,
 }
 
 impl Default for ShadowPropagation {
@@ -155,7 +137,7 @@ impl ShadowPropagation {
     }
 
     fn value(&self, cell: IVec3) -> f32 {
-        let shadow = self.grid.at(cell) as f32 * (self.options.strength / STEPS);
+        let shadow = self.grid.at(cell) as f32 * (self.options.strength / self.grid.full());
         self.options.darkest.map_or(shadow, |darkest| shadow.min(darkest))
     }
 
@@ -183,8 +165,10 @@ impl Environment for ShadowPropagation {
     }
 
     fn update(&mut self, appeared: &[Vec3], fallen: &[Vec3]) {
-        if self.grid.slabs.is_empty() {
-            self.grid = Grid::new(&self.options);
+        if self.grid.is_empty() {
+            let Options { min, max, cell, height, falloff, .. } = self.options;
+            let size = ((max - min) / cell).ceil().as_ivec3().max(IVec3::ONE);
+            self.grid = Grid::new(size, height, falloff);
         }
         let casters = |points: &[Vec3], falls: bool| {
             let of = |part: &[Vec3]| -> Vec<Caster> {
@@ -195,6 +179,10 @@ impl Environment for ShadowPropagation {
         };
         let casters = [casters(appeared, false), casters(fallen, true)].concat();
         self.grid.cast(&casters);
+    }
+
+    fn is_positional(&self) -> bool {
+        true
     }
 
     fn contains(&self, point: Vec3) -> bool {
@@ -222,127 +210,6 @@ impl Environment for ShadowPropagation {
         within("ShadowPropagation.strength", strength, 0.0, 1e3)?;
         within("ShadowPropagation.falloff", falloff, 1.0, 1e3)?;
         darkest.map_or(Ok(()), |darkest| within("ShadowPropagation.darkest", darkest, 0.0, 1e6))
-    }
-}
-
-/// The cell of a node that has appeared or fallen.
-#[derive(Debug, Clone, Copy)]
-struct Caster {
-    cell: [u16; 3],
-    falls: bool,
-}
-
-impl Caster {
-    fn new(cell: IVec3, falls: bool) -> Self {
-        Self { cell: cell.to_array().map(|c| c as u16), falls }
-    }
-}
-
-impl Grid {
-    fn new(options: &Options) -> Self {
-        let size = ((options.max - options.min) / options.cell).ceil().as_ivec3().max(IVec3::ONE);
-        let margin = options.height as usize;
-        let power = |q: u32| (STEPS * math::powf(options.falloff, -(q as f32)) + 0.5) as u32;
-        let row = |q: u32, power: u32| -> Vec<[u32; LANES]> {
-            let width = 2 * q as usize + 1;
-            (0..width)
-                .step_by(LANES)
-                .map(|x| std::array::from_fn(|i| if x + i < width { power } else { 0 }))
-                .collect()
-        };
-        let table = |sign: fn(u32) -> u32| (0..=options.height).map(|q| row(q, sign(power(q)))).collect();
-        Self {
-            size,
-            margin,
-            stride: size.x as usize + 2 * margin + LANES,
-            table: [table(|power| power), table(u32::wrapping_neg)],
-            slabs: vec![Vec::new(); (size.z as usize + 2 * margin).div_ceil(SLAB)],
-        }
-    }
-
-    /// The sum in a cell; 0 outside.
-    #[inline]
-    fn at(&self, cell: IVec3) -> u32 {
-        // Cells outside by less than the margin exist too, others wrap to far outside.
-        let margin = self.margin as i32;
-        let (x, y, z) = ((cell.x + margin) as usize, cell.y as usize, (cell.z + margin) as usize);
-        if x >= self.stride {
-            return 0;
-        }
-        let layer = self.slabs.get(z / SLAB).and_then(|layers| layers.get(y));
-        layer.map_or(0, |layer| layer[z % SLAB * self.stride + x])
-    }
-
-    /// Adds the pyramids of all `casters`, or takes them away. Sums of integers do not depend on the order.
-    fn cast(&mut self, casters: &[Caster]) {
-        let slabs = self.slabs.len();
-        let reached = |caster: &Caster| {
-            let z = usize::from(caster.cell[2]);
-            z / SLAB..=(z + 2 * self.margin) / SLAB
-        };
-        let mut starts = vec![0; slabs + 1];
-        for caster in casters {
-            for slab in reached(caster) {
-                starts[slab + 1] += 1;
-            }
-        }
-        for slab in 0..slabs {
-            starts[slab + 1] += starts[slab];
-        }
-        let mut next = starts.clone();
-        let mut members = vec![0u32; starts[slabs]];
-        for (index, caster) in casters.iter().enumerate() {
-            for slab in reached(caster) {
-                members[next[slab]] = index as u32;
-                next[slab] += 1;
-            }
-        }
-        let (margin, stride, table) = (self.margin, self.stride, &self.table);
-        parallel::each_mut(&mut self.slabs, |slab, layers| {
-            let first = slab * SLAB;
-            for &member in &members[starts[slab]..starts[slab + 1]] {
-                let caster = casters[member as usize];
-                let [x, y, z] = caster.cell.map(usize::from);
-                while layers.len() <= y {
-                    layers.push(vec![0; SLAB * stride]);
-                }
-                let table = &table[usize::from(caster.falls)];
-                for (q, (powers, layer)) in table.iter().zip(layers[..=y].iter_mut().rev()).enumerate() {
-                    let low = (z + margin).saturating_sub(q).max(first) - first;
-                    let high = (z + margin + q + 1).min(first + SLAB).saturating_sub(first);
-                    if low < high {
-                        let rows = &mut layer[low * stride..high * stride];
-                        add_to_rows(rows, stride, x + margin - q, powers);
-                    }
-                }
-            }
-        });
-    }
-}
-
-/// Adds `powers` to each row from column `start` on.
-fn add_to_rows(rows: &mut [u32], stride: usize, start: usize, powers: &[[u32; LANES]]) {
-    // Fixed widths make straight code; up to 7 cells of height there are no others.
-    match *powers {
-        [a] => add_to_rows_of(rows, stride, start, [a]),
-        [a, b] => add_to_rows_of(rows, stride, start, [a, b]),
-        [a, b, c] => add_to_rows_of(rows, stride, start, [a, b, c]),
-        [a, b, c, d] => add_to_rows_of(rows, stride, start, [a, b, c, d]),
-        _ => {
-            for (i, &power) in powers.iter().enumerate() {
-                add_to_rows_of(rows, stride, start + i * LANES, [power]);
-            }
-        }
-    }
-}
-
-#[inline]
-fn add_to_rows_of<const N: usize>(rows: &mut [u32], stride: usize, start: usize, powers: [[u32; LANES]; N]) {
-    for row in rows.chunks_exact_mut(stride) {
-        for (cells, powers) in row[start..start + N * LANES].as_chunks_mut::<LANES>().0.iter_mut().zip(powers)
-        {
-            *cells = std::array::from_fn(|i| cells[i].wrapping_add(powers[i]));
-        }
     }
 }
 

@@ -56,6 +56,12 @@ impl<E: Environment> SelfOrganizing<E> {
         self
     }
 
+    /// Sets in how many parts the shoots of a season grow; see [`Forest::with_parts`].
+    pub fn with_parts(mut self, parts: u32) -> Self {
+        self.forest = self.forest.with_parts(parts);
+        self
+    }
+
     /// One season.
     ///
     /// # Errors

@@ -2,7 +2,7 @@
 
 use super::environment::{Bud, Environment};
 use super::room::Room;
-use super::tree::{BUD, DEAD, Node, Tree};
+use super::tree::{BUD, DEAD, Node, Part, Setting, Tree};
 use super::vigor::Supply;
 use super::*;
 use glam::Vec3;
@@ -30,7 +30,7 @@ fn bud<'a>(tree: &'a Tree, habit: &'a Habit, node: usize, side: usize) -> Bud<'a
 
 fn sensed(tree: &Tree, environment: &impl Environment) -> Supply {
     let (habit, mut supply) = (Habit::default(), Supply::default());
-    supply.sense(tree, |node, side| environment.light(&bud(tree, &habit, node, side)));
+    supply.sense(tree, false, |node, side| environment.light(&bud(tree, &habit, node, side)));
     supply
 }
 
@@ -132,7 +132,7 @@ fn by_hand() -> Tree {
 
 fn shared(tree: &Tree, model: VigorModel, root: f32) -> Supply {
     let mut supply = Supply::default();
-    supply.sense(tree, |_, _| 1.0);
+    supply.sense(tree, true, |_, _| 1.0);
     supply.share(tree, model, root, &mut |_, _, _| {});
     supply
 }
@@ -218,8 +218,10 @@ fn shedding_follows_the_rule() {
             }
         }
         let (mut tree, habit) = (tree.clone(), habit(multiplier));
-        let plan = tree.plan(&Even, &habit, 1, season, 0);
-        let change = tree.carry_out(plan, &Room::default(), |_| true, &habit, season);
+        let room = Room::default();
+        let setting = Setting { environment: &Even, room: &room, habit: &habit, seed: 1, season };
+        let mut plan = tree.plan(&setting, 0, 1);
+        let change = tree.carry_out(Part { index: 0, of: 1 }, &mut plan, &setting);
         assert_sound(&tree);
         change.fallen.len()
     };

@@ -61,26 +61,43 @@ pub struct Tree {
     pub(super) vigor: f32,
 }
 
-/// A bud that grows: what a season decides before anything changes.
+/// A bud that will grow.
 #[derive(Debug, Clone, Copy)]
 struct Shoot {
     node: u32,
-    side: u8,
-    metamers: u32,
-    length: f32,
-    direction: Vec3,
-    optimal: Vec3,
+    lateral: bool,
+    vigor: f32,
+    /// The bud's place in the environment's list.
+    index: u32,
 }
 
 /// What a season will do to a tree.
 #[derive(Debug, Default)]
 pub(super) struct Plan {
+    /// If there are to be parts, by node, main before lateral: those that have stood longest first.
     shoots: Vec<Shoot>,
     /// The lowest nodes of what will be shed, ascending.
     shed: Vec<u32>,
     vigor: f32,
     /// Metamers that will appear, unless there is no room for them.
     pub(super) metamers: u64,
+}
+
+/// Which of the equal parts of a season's shoots.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Part {
+    pub(super) index: u32,
+    pub(super) of: u32,
+}
+
+/// Where and when a tree grows.
+#[derive(Debug)]
+pub(super) struct Setting<'a, E> {
+    pub(super) environment: &'a E,
+    pub(super) room: &'a Room,
+    pub(super) habit: &'a Habit,
+    pub(super) seed: u64,
+    pub(super) season: u16,
 }
 
 /// What a season did to a tree.
@@ -222,50 +239,32 @@ impl Tree {
         sites
     }
 
-    /// Steps 1 to 4 as decisions; `first` is the index of the tree's first bud in the environment's list.
-    pub(super) fn plan<E: Environment>(
-        &self,
-        environment: &E,
-        habit: &Habit,
-        seed: u64,
-        season: u16,
-        first: u32,
-    ) -> Plan {
+    /// Steps 1, 2 and 4 as decisions; `first` is the index of the tree's first bud in the environment's list.
+    pub(super) fn plan<E: Environment>(&self, setting: &Setting<'_, E>, first: u32, parts: u32) -> Plan {
+        let &Setting { environment, habit, seed, season, .. } = setting;
         let mut supply = Supply::default();
         let firsts = if environment.surveys() { self.first_buds(first) } else { Vec::new() };
         let index = |node: usize, side: usize| {
             let after_main = side == 1 && self.nodes[node].children[0] == BUD;
             firsts.get(node).map_or(0, |first| first + u32::from(after_main))
         };
-        let bud = |node: usize, side: usize| Bud {
-            tree: self,
-            habit,
-            seed,
-            node: node as u32,
-            lateral: side == 1,
-            index: index(node, side),
-        };
-        supply.sense(self, |node, side| environment.light(&bud(node, side)).max(0.0));
+        supply.sense(self, environment.is_positional(), |node, side| {
+            let index = index(node, side);
+            let bud = Bud { tree: self, habit, seed, node: node as u32, lateral: side == 1, index };
+            environment.light(&bud).max(0.0)
+        });
         let mut plan = Plan { vigor: habit.vigor_multiplier * supply.light[0], ..Plan::default() };
-        let mut shoots = Vec::new();
         supply.share(self, habit.vigor_model, plan.vigor, &mut |node, side, vigor| {
             if vigor >= 1.0 {
-                shoots.push((node, side, vigor));
+                plan.metamers += u64::from(vigor as u32);
+                let index = index(node, side);
+                plan.shoots.push(Shoot { node: node as u32, lateral: side == 1, vigor, index });
             }
         });
-        plan.shoots.reserve_exact(shoots.len());
-        for (node, side, vigor) in shoots {
-            let metamers = vigor as u32;
-            let bud = bud(node, side);
-            plan.metamers += u64::from(metamers);
-            plan.shoots.push(Shoot {
-                node: node as u32,
-                side: side as u8,
-                metamers,
-                length: habit.length * vigor / metamers as f32,
-                direction: bud.direction(),
-                optimal: environment.direction(&bud),
-            });
+        plan.shoots.shrink_to_fit();
+        if parts > 1 {
+            // The priority model goes from axis to axis.
+            plan.shoots.sort_unstable_by_key(|shoot| (shoot.node, shoot.lateral));
         }
         self.shed(habit, season, &supply.vigor, &mut plan.shed);
         plan
@@ -287,10 +286,17 @@ impl Tree {
         let exponent = shedding.exponent / habit.width_exponent;
         let need = |count: u32| shedding.multiplier * math::powf(count as f32, exponent);
         // Most counts are small and come often.
-        let needs: Vec<f32> = (0..=self.nodes[0].load.min(255)).map(need).collect();
+        let mut needs = [f32::NAN; 256];
         for (node, data) in self.nodes.iter().enumerate().skip(1) {
             if season - data.born >= shedding.grace {
-                let need = needs.get(data.load as usize).copied().unwrap_or_else(|| need(data.load));
+                let need = match needs.get_mut(data.load as usize) {
+                    Some(known) if known.is_nan() => {
+                        *known = need(data.load);
+                        *known
+                    }
+                    Some(known) => *known,
+                    None => need(data.load),
+                };
                 if vigor[node] < need {
                     shed.push(node as u32);
                 }
@@ -298,49 +304,51 @@ impl Tree {
         }
     }
 
-    /// Does what was planned.
-    pub(super) fn carry_out(
+    /// Does one part of what was planned: sheds in the first, counts in the last.
+    pub(super) fn carry_out<E: Environment>(
         &mut self,
-        plan: Plan,
-        room: &Room,
-        contains: impl Fn(Vec3) -> bool,
-        habit: &Habit,
-        season: u16,
+        part: Part,
+        plan: &mut Plan,
+        setting: &Setting<'_, E>,
     ) -> Change {
-        self.vigor = plan.vigor;
         let mut change = Change::default();
-        let places = self.fell(&plan.shed, DEAD, &mut change.fallen);
-        // A tree takes no more memory than it needs, and no more than it has where there may not be room for it all.
-        self.nodes.reserve_exact((plan.metamers as usize).min(self.nodes.len() + 1024));
-        for mut shoot in plan.shoots {
-            if let Some(places) = &places {
-                shoot.node = places[shoot.node as usize];
+        if part.index == 0 {
+            self.vigor = plan.vigor;
+            if let Some(places) = self.fell(&plan.shed, DEAD, &mut change.fallen) {
+                plan.shoots.retain_mut(|shoot| {
+                    shoot.node = places[shoot.node as usize];
+                    shoot.node != FALLS
+                });
             }
-            if shoot.node != FALLS {
-                self.sprout(shoot, room, &contains, habit, season, &mut change.appeared);
-            }
+            // A tree takes no more memory than it needs, and no more than it has where there may not be room for it
+            // all.
+            self.nodes.reserve_exact((plan.metamers as usize).min(self.nodes.len() + 1024));
         }
-        self.count();
+        let place = |index: u32| index as usize * plan.shoots.len() / part.of as usize;
+        for &shoot in &plan.shoots[place(part.index)..place(part.index + 1)] {
+            self.sprout(shoot, setting, &mut change.appeared);
+        }
+        if part.index + 1 == part.of {
+            plan.shoots = Vec::new();
+            self.count();
+        }
         change
     }
 
     /// Step 3: a shoot, as far as there is room. A bud without room for one metamer dies.
-    fn sprout(
-        &mut self,
-        shoot: Shoot,
-        room: &Room,
-        contains: &impl Fn(Vec3) -> bool,
-        habit: &Habit,
-        season: u16,
-        appeared: &mut Vec<Vec3>,
-    ) {
-        let (mut node, mut side) = (shoot.node as usize, usize::from(shoot.side));
-        let mut direction = shoot.direction;
-        for _ in 0..shoot.metamers {
-            direction = habit.turned(direction, shoot.optimal);
+    fn sprout<E: Environment>(&mut self, shoot: Shoot, setting: &Setting<'_, E>, appeared: &mut Vec<Vec3>) {
+        let &Setting { environment, room, habit, seed, season } = setting;
+        let Shoot { node: origin, lateral, vigor, index } = shoot;
+        let bud = Bud { tree: self, habit, seed, node: origin, lateral, index };
+        let (mut direction, optimal) = (bud.direction(), environment.direction(&bud));
+        let metamers = vigor as u32;
+        let length = habit.length * vigor / metamers as f32;
+        let (mut node, mut side) = (origin as usize, usize::from(lateral));
+        for _ in 0..metamers {
+            direction = habit.turned(direction, optimal);
             let start = self.nodes[node].position;
-            let position = start + direction * shoot.length;
-            if !(contains(position) && room.is_open(start, position)) {
+            let position = start + direction * length;
+            if !(environment.contains(position) && room.is_open(start, position)) {
                 break;
             }
             let new = self.nodes.len();
@@ -353,7 +361,7 @@ impl Tree {
             appeared.push(position);
             (node, side) = (new, 0);
         }
-        if node == shoot.node as usize {
+        if node == origin as usize {
             self.nodes[node].children[side] = DEAD;
         }
     }

@@ -66,17 +66,20 @@ pub(super) struct Supply {
 }
 
 impl Supply {
-    /// Step 1: the light of each bud, summed from the tips to the foot. O(n).
-    pub(super) fn sense(&mut self, tree: &Tree, light: impl Fn(usize, usize) -> f32) {
+    /// Step 1: the light of each bud, summed from the tips to the foot. `once` says that both buds of a node get the
+    /// same. O(n).
+    pub(super) fn sense(&mut self, tree: &Tree, once: bool, light: impl Fn(usize, usize) -> f32) {
         self.light.resize(tree.nodes.len(), 0.0);
         self.buds.resize(tree.nodes.len(), [0.0; 2]);
         for (node, data) in tree.nodes.iter().enumerate().rev() {
-            for side in 0..2 {
-                if data.children[side] == BUD {
-                    self.buds[node][side] = light(node, side);
+            let buds = match data.children.map(|child| child == BUD) {
+                [true, true] if once => [light(node, 0); 2],
+                [main, lateral] => {
+                    [if main { light(node, 0) } else { 0.0 }, if lateral { light(node, 1) } else { 0.0 }]
                 }
-            }
-            self.light[node] += self.buds[node][0] + self.buds[node][1];
+            };
+            self.buds[node] = buds;
+            self.light[node] += buds[0] + buds[1];
             if node > 0 {
                 self.light[data.parent as usize] += self.light[node];
             }

@@ -55,10 +55,11 @@ proptest! {
     /// After any growth, shedding and cutting, the grid is to the bit that of the nodes that stand.
     #[test]
     fn the_grid_is_that_of_what_stands(
-        seed: u64, steps in prop::collection::vec((1u32..5, any::<prop::sample::Index>(), any::<bool>()), 1..6),
+        seed: u64, parts in 1u32..5,
+        steps in prop::collection::vec((1u32..5, any::<prop::sample::Index>(), any::<bool>()), 1..6),
     ) {
         let habit = Habit::default().with_shedding(Shedding::default().with_multiplier(0.6).with_grace(1));
-        let mut tree = SelfOrganizing::new(ShadowPropagation::default(), habit, seed);
+        let mut tree = SelfOrganizing::new(ShadowPropagation::default(), habit, seed).with_parts(parts);
         for (seasons, node, cuts) in steps {
             tree.grow(seasons).unwrap();
             let Some(standing) = tree.tree() else { break };

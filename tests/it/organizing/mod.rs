@@ -2,6 +2,7 @@
 
 mod growth;
 mod light;
+mod parts;
 mod stands;
 
 use crate::sample::fnv1a;

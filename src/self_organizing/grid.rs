@@ -1,0 +1,404 @@
+//! The grid of [`ShadowPropagation`](super::ShadowPropagation): integers, so that what was added can be taken away.
+
+use crate::{math, parallel};
+use glam::IVec3;
+use std::ops::{BitOr, Range};
+
+/// The fewest and the most parts of a full shadow, a, that a cell counts in.
+const PARTS: [f32; 2] = [512.0, 729.0];
+/// The faintest shadow of a pyramid has so many parts if it can. Then the default's are 1.5^6 times as many, 729, and
+/// all its shadows whole.
+const FAINTEST: f32 = 64.0;
+/// As long as all sums of a layer are at most this it counts in 16 bits. One full shadow more still fits.
+const NARROW: u16 = u16::MAX - 729;
+/// Rows are added to a layer in such numbers.
+const BAND: usize = 32;
+/// Cells are added to in groups of so many, which processors do at once.
+const LANES: usize = 8;
+
+/// Neighbours in x.
+type Group = [u16; LANES];
+
+/// Shadows by cell.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub(super) struct Grid {
+    /// Cells on each axis; none before there are any nodes.
+    size: IVec3,
+    /// Cells added on each side in x and z, so that no pyramid sticks out.
+    margin: usize,
+    /// Cells from one row to the next.
+    stride: usize,
+    /// What a row of the pyramid adds, by q, zeros at its end.
+    powers: Vec<Vec<Group>>,
+    /// From the ground up as far as nodes are.
+    layers: Vec<Layer>,
+}
+
+/// Cells of one height: rows of x, as far in z as there were ever shadows.
+#[derive(Debug, Clone, PartialEq, Default)]
+struct Layer {
+    rows: Range<usize>,
+    cells: Cells,
+}
+
+/// Row after row, and a few more that belong to none.
+#[derive(Debug, Clone, PartialEq)]
+enum Cells {
+    /// All at most [`NARROW`].
+    Narrow(Vec<u16>),
+    Wide(Vec<u32>),
+}
+
+/// The cell of a node that has appeared or fallen.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Caster {
+    cell: [u16; 3],
+    falls: bool,
+}
+
+impl Caster {
+    pub(super) fn new(cell: IVec3, falls: bool) -> Self {
+        Self { cell: cell.to_array().map(|c| c as u16), falls }
+    }
+}
+
+impl Grid {
+    /// Of so many cells on each axis, for pyramids of this height that are divided by `falloff` at each cell down.
+    pub(super) fn new(size: IVec3, height: u32, falloff: f32) -> Self {
+        let margin = height as usize;
+        let parts = (FAINTEST * math::powf(falloff, height as f32)).round().clamp(PARTS[0], PARTS[1]);
+        let row = |q: u32| {
+            let width = 2 * q as usize + 1;
+            let power = (parts * math::powf(falloff, -(q as f32)) + 0.5) as u16;
+            let group = |x: usize| std::array::from_fn(|i| if x + i < width { power } else { 0 });
+            (0..width).step_by(LANES).map(group).collect()
+        };
+        Self {
+            size,
+            margin,
+            stride: size.x as usize + 2 * margin,
+            powers: (0..=height).map(row).collect(),
+            layers: Vec::new(),
+        }
+    }
+
+    /// Whether it is still to be made.
+    pub(super) fn is_empty(&self) -> bool {
+        self.powers.is_empty()
+    }
+
+    /// How many parts a full shadow has; 1 before there are any nodes.
+    #[inline]
+    pub(super) fn full(&self) -> f32 {
+        self.powers.first().map_or(1.0, |row| f32::from(row[0][0]))
+    }
+
+    /// The sum in a cell, in parts; 0 outside.
+    #[inline]
+    pub(super) fn at(&self, cell: IVec3) -> u32 {
+        // Cells outside by less than the margin exist too, others wrap to far outside.
+        let margin = self.margin as i32;
+        let (x, y, z) = ((cell.x + margin) as usize, cell.y as usize, (cell.z + margin) as usize);
+        match self.layers.get(y) {
+            Some(layer) if x < self.stride && layer.rows.contains(&z) => layer.at(z, x, self.stride),
+            _ => 0,
+        }
+    }
+
+    /// Adds the pyramids of all `casters`, or takes them away. Sums of integers do not depend on the order.
+    pub(super) fn cast(&mut self, casters: &[Caster]) {
+        let height = self.powers.len();
+        let Some(top) = casters.iter().map(|caster| usize::from(caster.cell[1])).max() else { return };
+        if self.layers.len() <= top {
+            self.layers.resize_with(top + 1, Layer::default);
+        }
+        // How many casters each height has, and between which z.
+        let mut found = vec![(0usize, usize::MAX, 0); top + 1];
+        for caster in casters {
+            let (count, low, high) = &mut found[usize::from(caster.cell[1])];
+            let z = usize::from(caster.cell[2]) + self.margin;
+            (*count, *low, *high) = (*count + 1, z.min(*low), z.max(*high));
+        }
+        // What each layer gets from them: cells to add to and rows.
+        let shades: Vec<(usize, Range<usize>)> = (0..=top)
+            .map(|y| {
+                let above = found[y..].iter().take(height).enumerate().filter(|(_, found)| found.0 > 0);
+                let none = Range { start: usize::MAX, end: 0 };
+                above.fold((0, none), |(cells, rows), (q, &(count, low, high))| {
+                    let rows = rows.start.min(low - q)..rows.end.max(high + q + 1);
+                    (cells + count * (2 * q + 1) * (2 * q + 1), rows)
+                })
+            })
+            .collect();
+        // Layers next to each other are a task.
+        let tasks = parallel::tasks();
+        let share = shades.iter().map(|shade| shade.0).sum::<usize>() / tasks;
+        let (margin, stride, powers) = (self.margin, self.stride, &self.powers);
+        let most = self.size.z as usize + 2 * margin;
+        let mut rest = &mut self.layers[..=top];
+        let mut parts = Vec::new();
+        let (mut first, mut cells) = (0, 0);
+        for (y, shade) in shades.iter().enumerate() {
+            cells += shade.0;
+            if cells > share || y == top {
+                let (part, others) = rest.split_at_mut(y + 1 - first);
+                parts.push((first, part));
+                (rest, first, cells) = (others, y + 1, 0);
+            }
+        }
+        parallel::each_mut(&mut parts, |_, (first, layers)| {
+            for (layer, (_, rows)) in layers.iter_mut().zip(&shades[*first..]) {
+                layer.reserve(rows, stride, most);
+            }
+            for caster in casters {
+                let [x, y, z] = caster.cell.map(usize::from);
+                let (x, z) = (x + margin, z + margin);
+                let last = *first + layers.len() - 1;
+                if y < *first || y >= last + height {
+                    continue;
+                }
+                for q in y.saturating_sub(last)..(y - *first + 1).min(height) {
+                    let layer = &mut layers[y - q - *first];
+                    if caster.falls {
+                        layer.add::<true>(z - q, x - q, stride, q, &powers[q]);
+                    } else {
+                        layer.add::<false>(z - q, x - q, stride, q, &powers[q]);
+                    }
+                }
+            }
+        });
+    }
+}
+
+impl Default for Cells {
+    fn default() -> Self {
+        Self::Narrow(Vec::new())
+    }
+}
+
+impl Layer {
+    #[inline]
+    fn at(&self, z: usize, x: usize, stride: usize) -> u32 {
+        let place = (z - self.rows.start) * stride + x;
+        match &self.cells {
+            Cells::Narrow(cells) => u32::from(cells[place]),
+            Cells::Wide(cells) => cells[place],
+        }
+    }
+
+    /// Makes room for `rows`, of which there are `most`.
+    fn reserve(&mut self, rows: &Range<usize>, stride: usize, most: usize) {
+        let has = &self.rows;
+        if rows.is_empty() || has.start <= rows.start && rows.end <= has.end {
+            return;
+        }
+        let rows =
+            if has.is_empty() { rows.clone() } else { rows.start.min(has.start)..rows.end.max(has.end) };
+        let rows = rows.start / BAND * BAND..(rows.end.div_ceil(BAND) * BAND).min(most);
+        let (len, from) = (rows.len() * stride, has.start.saturating_sub(rows.start) * stride);
+        match &mut self.cells {
+            Cells::Narrow(cells) => *cells = moved(cells, len, from),
+            Cells::Wide(cells) => *cells = moved(cells, len, from),
+        }
+        self.rows = rows;
+    }
+
+    /// Adds a square of the pyramid from `z` and `x` on, or takes it away.
+    #[inline]
+    fn add<const FALLS: bool>(&mut self, z: usize, x: usize, stride: usize, q: usize, powers: &[Group]) {
+        let start = (z - self.rows.start) * stride + x;
+        match &mut self.cells {
+            Cells::Narrow(cells) => {
+                if add_square::<u16, FALLS>(&mut cells[start..], stride, q, powers) {
+                    self.cells = Cells::Wide(cells.iter().map(|&sum| u32::from(sum)).collect());
+                }
+            }
+            Cells::Wide(cells) => {
+                add_square::<u32, FALLS>(&mut cells[start..], stride, q, powers);
+            }
+        }
+    }
+}
+
+/// So many cells, those there were from `from` on.
+fn moved<T: Copy + Default>(cells: &[T], len: usize, from: usize) -> Vec<T> {
+    // The last group of the last row may reach beyond it.
+    let mut moved = vec![T::default(); len + LANES];
+    let old = cells.len().saturating_sub(LANES);
+    moved[from..from + old].copy_from_slice(&cells[..old]);
+    moved
+}
+
+/// What cells count in.
+trait Sum: Copy + Default + Eq + BitOr<Output = Self> + From<u16> {
+    fn plus(self, power: Self) -> Self;
+
+    fn minus(self, power: Self) -> Self;
+
+    /// Not zero if there may soon be no room for more.
+    fn excess(self) -> Self;
+}
+
+impl Sum for u16 {
+    #[inline]
+    fn plus(self, power: u16) -> u16 {
+        self.wrapping_add(power)
+    }
+
+    #[inline]
+    fn minus(self, power: u16) -> u16 {
+        self.wrapping_sub(power)
+    }
+
+    #[inline]
+    fn excess(self) -> u16 {
+        self.saturating_sub(NARROW)
+    }
+}
+
+impl Sum for u32 {
+    #[inline]
+    fn plus(self, power: u32) -> u32 {
+        self.wrapping_add(power)
+    }
+
+    #[inline]
+    fn minus(self, power: u32) -> u32 {
+        self.wrapping_sub(power)
+    }
+
+    #[inline]
+    fn excess(self) -> u32 {
+        0
+    }
+}
+
+/// Adds `powers` to the first cells of 2q + 1 rows, or takes them away. Whether there may soon be no room for more.
+///
+/// Not inline: in the loop over q it would have to keep numbers for each of its arms in step.
+#[inline(never)]
+fn add_square<T: Sum, const FALLS: bool>(cells: &mut [T], stride: usize, q: usize, powers: &[Group]) -> bool {
+    // Fixed sizes make straight code; few have a pyramid higher than 7 cells.
+    match (q, powers) {
+        (0, [_]) => add_rows::<T, FALLS, 1, 1>(cells, stride, powers),
+        (1, [_]) => add_rows::<T, FALLS, 3, 1>(cells, stride, powers),
+        (2, [_]) => add_rows::<T, FALLS, 5, 1>(cells, stride, powers),
+        (3, [_]) => add_rows::<T, FALLS, 7, 1>(cells, stride, powers),
+        (4, [_, _]) => add_rows::<T, FALLS, 9, 2>(cells, stride, powers),
+        (5, [_, _]) => add_rows::<T, FALLS, 11, 2>(cells, stride, powers),
+        (6, [_, _]) => add_rows::<T, FALLS, 13, 2>(cells, stride, powers),
+        (7, [_, _]) => add_rows::<T, FALLS, 15, 2>(cells, stride, powers),
+        _ => (0..=2 * q).fold(false, |excess, row| {
+            powers.chunks(1).enumerate().fold(excess, |excess, (i, power)| {
+                excess | add_rows::<T, FALLS, 1, 1>(&mut cells[row * stride + i * LANES..], stride, power)
+            })
+        }),
+    }
+}
+
+#[inline]
+fn add_rows<T: Sum, const FALLS: bool, const ROWS: usize, const GROUPS: usize>(
+    cells: &mut [T],
+    stride: usize,
+    powers: &[Group],
+) -> bool {
+    let powers: &[Group] = &powers[..GROUPS];
+    let mut excess = [T::default(); LANES];
+    let cells = &mut cells[..(ROWS - 1) * stride + GROUPS * LANES];
+    for row in 0..ROWS {
+        let row = &mut cells[row * stride..][..GROUPS * LANES];
+        for (group, powers) in row.as_chunks_mut::<LANES>().0.iter_mut().zip(powers) {
+            if FALLS {
+                *group = std::array::from_fn(|i| group[i].minus(T::from(powers[i])));
+            } else {
+                *group = std::array::from_fn(|i| group[i].plus(T::from(powers[i])));
+                excess = std::array::from_fn(|i| excess[i] | group[i].excess());
+            }
+        }
+    }
+    excess.iter().fold(T::default(), |all, excess| all | *excess) != T::default()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    const SIZE: IVec3 = IVec3::new(11, 9, 70);
+
+    /// What the nodes in `cells` add to `at`, one by one.
+    fn brute_force(grid: &Grid, cells: &[IVec3], at: IVec3) -> u32 {
+        let power = |cell: &IVec3| {
+            let q = usize::try_from(cell.y - at.y).ok().filter(|&q| q < grid.powers.len())?;
+            let away = (*cell - at).abs();
+            (away.x.max(away.z) <= q as i32).then(|| u32::from(grid.powers[q][0][0]))
+        };
+        cells.iter().filter_map(power).sum()
+    }
+
+    fn assert_sums(grid: &Grid, cells: &[IVec3]) {
+        for y in -1..=SIZE.y {
+            for z in 0..SIZE.z {
+                for x in 0..SIZE.x {
+                    let at = IVec3::new(x, y, z);
+                    let sum = if y < 0 { 0 } else { brute_force(grid, cells, at) };
+                    assert_eq!(grid.at(at), sum, "{at}");
+                }
+            }
+        }
+    }
+
+    fn casters(cells: &[IVec3], falls: bool) -> Vec<Caster> {
+        cells.iter().map(|&cell| Caster::new(cell, falls)).collect()
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig { cases: 12, failure_persistence: None, ..ProptestConfig::default() })]
+
+        /// Also where so much shade falls that 16 bits are too few.
+        #[test]
+        fn sums_are_exact_through_growth_and_fall(
+            height in 0u32..12, threads in 1usize..4, dense in 0i32..300,
+            cells in prop::collection::vec((0..SIZE.x, 0..SIZE.y, 0..SIZE.z), 1..60), part in any::<prop::sample::Index>(),
+        ) {
+            let mut cells: Vec<IVec3> = cells.into_iter().map(IVec3::from).collect();
+            let place = cells[0];
+            cells.extend((0..dense).map(|i| IVec3::new(place.x, (place.y + i % 2).min(SIZE.y - 1), place.z)));
+            let kept = part.index(cells.len());
+            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("a pool");
+            pool.install(|| {
+                let mut grid = Grid::new(SIZE, height, 1.3);
+                for some in cells.chunks(50) {
+                    grid.cast(&casters(some, false));
+                }
+                assert_sums(&grid, &cells);
+                grid.cast(&casters(&cells[kept..], true));
+                assert_sums(&grid, &cells[..kept]);
+            });
+        }
+    }
+
+    #[test]
+    fn only_layers_in_deep_shade_are_wide() {
+        let mut grid = Grid::new(SIZE, 2, 8.0);
+        assert_eq!(grid.powers.iter().map(|row| row[0][0]).collect::<Vec<_>>(), [729, 91, 11]);
+        let node = casters(&[IVec3::new(5, 5, 30)], false);
+        let wide = |grid: &Grid| -> Vec<usize> {
+            let layers = grid.layers.iter().enumerate();
+            layers.filter(|(_, layer)| matches!(layer.cells, Cells::Wide(_))).map(|(y, _)| y).collect()
+        };
+        for nodes in 1..=1000 {
+            grid.cast(&node);
+            let expected: &[usize] = match nodes {
+                0..=88 => &[],
+                89..=712 => &[5],
+                _ => &[4, 5],
+            };
+            assert_eq!(wide(&grid), expected, "{nodes} nodes");
+            assert_eq!(grid.at(IVec3::new(5, 5, 30)), nodes * 729);
+        }
+        // There are cells where there is shade only, in whole bands.
+        let rows: Vec<_> = grid.layers.iter().map(|layer| layer.rows.clone()).collect();
+        assert_eq!(rows, [0..0, 0..0, 0..0, 0..2 * BAND, 0..2 * BAND, BAND..2 * BAND]);
+    }
+}
