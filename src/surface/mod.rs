@@ -23,6 +23,8 @@ mod level;
 mod material;
 mod mesh;
 mod part;
+#[cfg(test)]
+mod sample;
 mod simplify;
 mod tube;
 mod weave;

@@ -2,6 +2,7 @@ use super::field::Felt;
 use super::solid::{Coverage, Part};
 use super::*;
 use crate::math;
+use crate::surface::sample::any_skeleton;
 use glam::Vec3;
 use proptest::prelude::*;
 
@@ -80,36 +81,12 @@ proptest! {
     }
 
     #[test]
-    fn any_skeleton_has_a_closed_mesh_or_a_named_error(skeleton in any_skeleton(), blend in 0.01f32..2.0) {
+    fn any_skeleton_has_a_closed_mesh_or_a_named_error(skeleton in any_skeleton(40, 3.0, |scale, part| scale * math::powf(10.0, -2.5 * part)), blend in 0.01f32..2.0) {
         match Implicit::default().with_most_blocks(3000).with_blend(blend).mesh(&skeleton) {
             Ok(mesh) => { prop_assert!(euler(&mesh).map_err(TestCaseError::fail)? % 2 == 0); }
             Err(error) => prop_assert!(matches!(error,
                 SurfaceError::NoRadii { .. } | SurfaceError::TooManyBlocks { .. }), "{error}"),
         }
-    }
-}
-
-prop_compose! {
-    fn any_skeleton()(
-        nodes in prop::collection::vec((any::<prop::sample::Index>(), -1.0f32..1.0, -1.0f32..1.0, -1.0f32..1.0,
-            0.0f32..2.5, 0u8..10), 1..40),
-        scale in -6.0f32..3.0,
-    ) -> Skeleton {
-        let scale = math::powf(10.0, scale);
-        let mut points: Vec<Vec3> = Vec::new();
-        let (mut parents, mut radii) = (Vec::new(), Vec::new());
-        for (i, (parent, x, y, z, radius, kind)) in nodes.into_iter().enumerate() {
-            let parent = (i > 0).then(|| if kind < 5 { i - 1 } else { parent.index(i) });
-            let from = parent.map_or(Vec3::ZERO, |p| points[p]);
-            points.push(match kind {
-                0 => from,
-                1 => points.first().copied().unwrap_or_default(),
-                _ => from + Vec3::new(x, y, z) * scale,
-            });
-            parents.push(parent.map(|p| p as u32));
-            radii.push(if kind == 2 { 0.0 } else { scale * math::powf(10.0, -radius) });
-        }
-        Skeleton::new(points, parents).and_then(|s| s.with_radii(radii)).expect("made to be sound")
     }
 }
 

@@ -1,4 +1,5 @@
 use super::*;
+use crate::surface::sample::any_skeleton;
 use glam::{Vec2, Vec3};
 use proptest::prelude::*;
 use std::f32::consts::TAU;
@@ -146,34 +147,10 @@ fn no_length_and_turning_back_are_no_trouble() {
     }
 }
 
-prop_compose! {
-    fn any_skeleton()(
-        nodes in prop::collection::vec((any::<prop::sample::Index>(), -1.0f32..1.0, -1.0f32..1.0, -1.0f32..1.0,
-            -6.0f32..3.0, 0u8..10), 1..60),
-        scale in -6.0f32..4.0,
-    ) -> Skeleton {
-        let scale = math::powf(10.0, scale);
-        let mut points: Vec<Vec3> = Vec::new();
-        let (mut parents, mut radii) = (Vec::new(), Vec::new());
-        for (i, (parent, x, y, z, radius, kind)) in nodes.into_iter().enumerate() {
-            let parent = (i > 0).then(|| if kind < 5 { i - 1 } else { parent.index(i) });
-            let from = parent.map_or(Vec3::ZERO, |p| points[p]);
-            points.push(match kind {
-                0 => from,
-                1 => points.first().copied().unwrap_or_default(),
-                _ => from + Vec3::new(x, y, z) * scale,
-            });
-            parents.push(parent.map(|p| p as u32));
-            radii.push(if kind == 2 { 0.0 } else { math::powf(10.0, radius) });
-        }
-        Skeleton::new(points, parents).and_then(|s| s.with_radii(radii)).expect("made to be sound")
-    }
-}
-
 proptest! {
     #[test]
     fn any_skeleton_has_a_sound_mesh_or_a_named_error(
-        skeleton in any_skeleton(), sides in 3u32..20, flags in any::<[bool; 4]>(), flare in 0.0f32..3.0,
+        skeleton in any_skeleton(60, 4.0, |_, part| math::powf(10.0, 9.0 * part - 6.0)), sides in 3u32..20, flags in any::<[bool; 4]>(), flare in 0.0f32..3.0,
         error in -4.0f32..2.0, turn in 0.05f32..4.0,
     ) {
         let mut tubes = Tubes::default().with_sides(sides).with_closed_base(flags[0]).with_collars(flags[1])
