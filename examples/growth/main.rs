@@ -2,6 +2,7 @@
 //!
 //!     cargo run --release --example growth -- --species cottonwood --age 12.5 --out out
 
+mod close;
 mod options;
 
 use indicatif::{ProgressBar, ProgressStyle};
@@ -9,13 +10,13 @@ use options::Options;
 use std::fs::{self, File};
 use std::io::{BufWriter, Write};
 use std::path::Path;
-use treesynth::Bounds;
 use treesynth::export::gltf::{GlbOptions, write_glb_parts};
 use treesynth::foliage::{Leaf, Leaves};
-use treesynth::growth::Growth;
+use treesynth::growth::{Growth, Stand};
 use treesynth::presets::{self, Grown};
-use treesynth::preview::{Camera, Picture, Preview};
+use treesynth::preview::{Camera, Picture, Preview, RayCaster};
 use treesynth::surface::{Mesh, Part, Tubes};
+use treesynth::{Bounds, Silent};
 
 type Failure = Box<dyn std::error::Error>;
 
@@ -47,7 +48,13 @@ fn run(options: &Options) -> Result<(), Failure> {
     write(&file(".glb"), |writer| {
         Ok(write_glb_parts(&parts, &GlbOptions::default().with_name(preset.name), writer)?)
     })?;
-    write(&file(".png"), |writer| Ok(Preview::default().draw_parts(&parts)?.write_png(writer)?))?;
+    let picture = look.draw(preset, &Preview::default(), options.skin)?;
+    write(&file(".png"), |writer| Ok(picture.write_png(writer)?))?;
+    if options.skin
+        && let Some(close) = close::sheet(preset, &growth, options.size)?
+    {
+        write(&file("-close.png"), |writer| Ok(close.write_png(writer)?))?;
+    }
 
     // All pictures are framed as the oldest tree is, so that it is the tree that grows and not the picture.
     let size = options.size;
@@ -57,7 +64,7 @@ fn run(options: &Options) -> Result<(), Failure> {
     let preview = Preview::default().with_camera(camera).with_size(width, size).with_ground_height(0.0);
     let draw = |age: f32| -> Result<Picture, Failure> {
         let look = Look::at(preset, &growth, age, 5)?;
-        let mut picture = preview.draw_parts(&look.parts(preset))?;
+        let mut picture = look.draw(preset, &preview, options.skin)?;
         picture.label(&format!("{age:.1} years"), 8, 8, 1 + size / 400, [70, 70, 70]);
         Ok(picture)
     };
@@ -89,7 +96,7 @@ fn run(options: &Options) -> Result<(), Failure> {
     println!(
         "{}: at {age} years {} internodes and {} leaves -> {}",
         preset.name,
-        look.internodes,
+        look.stand.skeleton.segments(),
         look.leaves.iter().map(|tone| tone.instances.len()).sum::<usize>(),
         file("{.glb,.png,.apng,-sheet.png,/}").display(),
     );
@@ -98,10 +105,11 @@ fn run(options: &Options) -> Result<(), Failure> {
 
 /// A tree of one age, to be drawn and written.
 struct Look {
+    age: f32,
+    stand: Stand,
     mesh: Mesh,
     leaves: Vec<Leaves>,
     buds: Leaves,
-    internodes: usize,
 }
 
 impl Look {
@@ -109,13 +117,23 @@ impl Look {
         let stand = growth.at(age)?;
         let mesh = Tubes::default().with_sides(sides).mesh(&stand.skeleton)?;
         let buds = Leaves::buds(&stand, &Leaf::bud());
-        Ok(Self { mesh, leaves: preset.leaves(&stand), buds, internodes: stand.skeleton.segments() })
+        Ok(Self { age, mesh, leaves: preset.leaves(&stand), buds, stand })
     }
 
     fn parts(&self, preset: &Grown) -> Vec<Part<'_>> {
         let bark = Part::new(&self.mesh).with_material(preset.bark());
         let leaves = self.leaves.iter().map(Leaves::part);
         [bark].into_iter().chain(leaves).chain([self.buds.part().with_name("buds")]).collect()
+    }
+
+    /// In tubes, or in a skin with scars and ridges.
+    fn draw(&self, preset: &Grown, preview: &Preview, skin: bool) -> Result<Picture, Failure> {
+        let parts = self.parts(preset);
+        if !skin {
+            return Ok(preview.draw_parts(&parts)?);
+        }
+        let bark = close::skin(preset, self.age).blob_tree(&self.stand.skeleton)?;
+        Ok(RayCaster::new(preview.clone()).draw(&bark, &parts[1..], &Silent)?)
     }
 
     fn bounds(&self) -> Option<Bounds> {

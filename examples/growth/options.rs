@@ -16,6 +16,8 @@ cargo run --release --example growth -- [OPTIONS]
   --seed N        the seed                                     [the preset's]
   --frames N      pictures of the animation, 2 to 10,000       [one a year]
   --size N        height of the animation's pictures, pixels   [640]
+  --skin          pictures of a blended skin with scars and ridges, cast ray by ray, and of a fork of the trunk as it ages
+                  (NAME-close.png)                             [tubes]
   --out DIR       where files go; made if it is not there      [out]
   --help          this text";
 
@@ -26,6 +28,7 @@ pub(crate) struct Options {
     pub(crate) seed: Option<u64>,
     pub(crate) frames: Option<u32>,
     pub(crate) size: u32,
+    pub(crate) skin: bool,
     pub(crate) out: PathBuf,
 }
 
@@ -38,6 +41,7 @@ impl Options {
             seed: None,
             frames: None,
             size: 640,
+            skin: false,
             out: "out".into(),
         };
         let mut arguments = lexopt::Parser::from_env();
@@ -48,6 +52,7 @@ impl Options {
                 Long("seed") => options.seed = Some(arguments.value()?.parse()?),
                 Long("frames") => options.frames = Some(arguments.value()?.parse()?),
                 Long("size") => options.size = arguments.value()?.parse()?,
+                Long("skin") => options.skin = true,
                 Long("out") => options.out = arguments.value()?.into(),
                 Long("list") => {
                     for preset in presets::grown() {
