@@ -30,6 +30,7 @@ mod tube;
 mod weave;
 
 pub use capsule::{Capsule, Capsules};
+#[cfg(feature = "preview")]
 pub(crate) use implicit::solid;
 pub use implicit::{Implicit, Polygonizer};
 pub use level::{Level, Levels};
