@@ -200,14 +200,16 @@ impl<'o, S: Solid, V: FnMut(Crossing<'o, S::Part>) -> ControlFlow<()>> Walk<'_, 
             let point = self.ray.origin + self.ray.way * t;
             leaf.part.value(point.clamp(bounds.min, bounds.max))
         };
-        // Steps that 32-bit floats can tell apart, and not too many where the bound is far above the slopes there are.
-        let least = leaf.tolerance.max(enter.abs().max(leave.abs()) * 4e-7).max((leave - enter) / MOST_STEPS);
+        // What 32-bit floats can tell apart; and steps not too many where the bound is far above the slopes there are.
+        let tolerance = leaf.tolerance.max(enter.abs().max(leave.abs()) * 4e-7);
+        let least = tolerance.max((leave - enter) / MOST_STEPS);
         let inverse = 1.0 / leaf.lipschitz;
         let (mut t, mut here) = (enter, value(enter));
         let mut before = None;
         loop {
             if (here >= 0.0) != self.inside {
-                let t = before.map_or(t, |before| root(before, (t, here), 0.1 * least, value, self.inside));
+                let t =
+                    before.map_or(t, |before| root(before, (t, here), 0.1 * tolerance, value, self.inside));
                 self.last = Some((leaf, cube));
                 self.cross(t)?;
             }
