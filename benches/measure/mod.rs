@@ -77,12 +77,17 @@ impl Samples {
 
     /// Measures `work` three times without criterion, whose ten samples of several seconds would take minutes. A name
     /// that the command line filters out is left out here too.
-    pub(crate) fn thrice<T>(&mut self, name: &str, mut work: impl FnMut() -> T) {
+    pub(crate) fn thrice<T>(&mut self, name: &str, work: impl FnMut() -> T) {
+        self.repeat(3, name, work);
+    }
+
+    /// As [`thrice`](Self::thrice), so many times.
+    pub(crate) fn repeat<T>(&mut self, times: usize, name: &str, mut work: impl FnMut() -> T) {
         let filter = std::env::args().skip(1).rfind(|argument| !argument.starts_with('-'));
         if filter.is_some_and(|filter| !name.contains(&filter)) {
             return;
         }
-        for _ in 0..if is_test() { 1 } else { 3 } {
+        for _ in 0..if is_test() { 1 } else { times } {
             let start = Instant::now();
             let result = black_box(work());
             let time = start.elapsed();
