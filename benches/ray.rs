@@ -5,14 +5,11 @@ mod measure;
 use measure::{PRESET, SEED, Samples, count, number, print_table};
 use rayon::ThreadPoolBuilder;
 use treesynth::preview::{Preview, RayCaster};
-use treesynth::surface::blob::Skin;
 use treesynth::surface::{Implicit, Tubes};
 use treesynth::{Silent, Skeleton};
 
 /// Nodes of the graph: as many as give about 17,000 segments before they are divided.
 const NODES: usize = 1_000_000;
-/// The case of a `BlobTree`.
-const SKIN: &str = "768 x 768, with scars and ridges";
 /// Primitives that each internode becomes.
 const PIECES: usize = 9;
 /// The paper's times on a Pentium IV, seconds: one picture, and what is wanted of each here.
@@ -55,7 +52,6 @@ fn main() {
         ("480 x 640", film),
     ];
     let mut samples = Samples::default();
-    let skin = Skin::default().blob_tree(&tree).expect("a skin");
     let mut group = measure::group(&mut criterion, "ray");
     group.bench_function("mesh", |bencher| {
         let mesh = Tubes::default().mesh(&tree).expect("a surface");
@@ -68,21 +64,17 @@ fn main() {
             samples.time(bencher, name, draw);
         });
     }
-    group.bench_function(SKIN, |bencher| {
-        let caster = RayCaster::new(preview.clone());
-        samples.time(bencher, SKIN, || two.install(|| caster.draw(&skin, &[], &Silent)));
-    });
     group.finish();
     criterion.final_summary();
     let mut rows = Vec::new();
     if let Some(mesh) = samples.median("mesh") {
         rows.push(vec!["tubes, rasterized".to_owned(), number(mesh / 1e3), String::new(), String::new()]);
     }
-    for name in cases.iter().map(|(name, _)| *name).chain([SKIN]) {
+    for (name, _) in &cases {
         if let Some(time) = samples.median(name) {
             let seconds = time / 1e3;
             let paper = number(seconds / PAPER);
-            rows.push(vec![name.to_owned(), number(seconds), number(seconds / GOAL), paper]);
+            rows.push(vec![(*name).to_owned(), number(seconds), number(seconds / GOAL), paper]);
         }
     }
     if let Some(frame) = samples.median("480 x 640") {

@@ -48,7 +48,9 @@ fn run(options: &Options) -> Result<(), Failure> {
     write(&file(".glb"), |writer| {
         Ok(write_glb_parts(&parts, &GlbOptions::default().with_name(preset.name), writer)?)
     })?;
-    let picture = look.draw(preset, &Preview::default(), options.skin)?;
+    // The foot of a skin is round.
+    let preview = Preview::default().with_ground_height(0.0);
+    let picture = look.draw(preset, &preview, options.skin)?;
     write(&file(".png"), |writer| Ok(picture.write_png(writer)?))?;
     if options.skin
         && let Some(close) = close::sheet(preset, &growth, options.size)?

@@ -30,9 +30,9 @@ mod tube;
 mod weave;
 
 pub use capsule::{Capsule, Capsules};
-#[cfg(feature = "preview")]
-pub(crate) use implicit::solid;
 pub use implicit::{Implicit, Polygonizer};
+#[cfg(feature = "preview")]
+pub(crate) use implicit::{solid, span};
 pub use level::{Level, Levels};
 pub use material::Material;
 pub use mesh::{Mesh, MeshError, Wind};

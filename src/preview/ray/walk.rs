@@ -2,6 +2,7 @@
 
 use super::octree::{Cube, Leaf, Node, Octree};
 use crate::surface::solid::{Part, Solid};
+use crate::surface::span::Passage;
 use glam::{BVec3, Vec3};
 use std::ops::ControlFlow;
 
@@ -200,6 +201,20 @@ impl<'o, S: Solid, V: FnMut(Crossing<'o, S::Part>) -> ControlFlow<()>> Walk<'_, 
             let point = self.ray.origin + self.ray.way * t;
             leaf.part.value(point.clamp(bounds.min, bounds.max))
         };
+        let last = Some((leaf, cube));
+        // Only from what is felt first to what is felt last; but a way out may be anywhere.
+        let exit = leave;
+        let (enter, leave) = if self.inside {
+            (enter, exit)
+        } else {
+            let origin = self.ray.origin + self.ray.way * enter;
+            let passage = Passage { origin, way: self.ray.way, length: leave - enter };
+            let Some((low, high)) = leaf.part.span(&passage) else {
+                self.last = last;
+                return ControlFlow::Continue(());
+            };
+            (enter + low, enter + high)
+        };
         // What 32-bit floats can tell apart; and steps not too many where the bound is far above the slopes there are.
         let tolerance = leaf.tolerance.max(enter.abs().max(leave.abs()) * 4e-7);
         let least = tolerance.max((leave - enter) / MOST_STEPS);
@@ -210,22 +225,23 @@ impl<'o, S: Solid, V: FnMut(Crossing<'o, S::Part>) -> ControlFlow<()>> Walk<'_, 
             if (here >= 0.0) != self.inside {
                 let t =
                     before.map_or(t, |before| root(before, (t, here), 0.1 * tolerance, value, self.inside));
-                self.last = Some((leaf, cube));
+                self.last = last;
                 self.cross(t)?;
             }
-            if t >= leave {
+            let end = if self.inside { exit } else { leave };
+            if t >= end {
                 break;
             }
             before = Some((t, here));
             // No root is nearer than that.
             let step = here.abs() * inverse;
-            if step > leave - t {
+            if step > end - t {
                 break;
             }
-            t = if step >= least { t + step } else { (t + least).min(leave) };
+            t = if step >= least { t + step } else { (t + least).min(end) };
             here = value(t);
         }
-        self.last = Some((leaf, cube));
+        self.last = last;
         ControlFlow::Continue(())
     }
 }

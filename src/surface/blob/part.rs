@@ -7,6 +7,7 @@ use super::primitive::Range;
 use super::scene::{Kind, Scene};
 use crate::Bounds;
 use crate::surface::implicit::solid::{Coverage, Part, Solid};
+use crate::surface::implicit::span::{Passage, Span, hull};
 use glam::Vec3;
 use smallvec::SmallVec;
 use std::sync::Arc;
@@ -66,6 +67,16 @@ impl Part for BlobPart {
 
     fn gradient(&self, point: Vec3) -> (f32, Vec3) {
         self.gradient(point)
+    }
+
+    fn span(&self, passage: &Passage) -> Option<Span> {
+        // Where only a bounding field is felt there is nothing.
+        let next = self.steps.iter().skip(1).map(Some).chain([None]);
+        hull(self.steps.iter().zip(next).map(|step| match step {
+            (Kind::Leaf(_), Some(Kind::Bounded { .. })) => None,
+            (Kind::Leaf(number), _) => self.scene.span(*number, passage),
+            _ => None,
+        }))
     }
 
     fn color(&self, point: Vec3) -> [f32; 3] {

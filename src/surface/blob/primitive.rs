@@ -1,6 +1,7 @@
 //! Skeletal primitives: points, lines and cone segments with a field around them.
 
 use super::FieldFunction;
+use crate::surface::implicit::span::{Passage, Span};
 use crate::{Bounds, ParameterError};
 use glam::Vec3;
 
@@ -184,12 +185,26 @@ impl Leaf {
         (self.strength * value, direction * (self.strength * slope))
     }
 
+    /// Where it may be felt along a passage in its own space.
+    pub(super) fn span(&self, passage: &Passage) -> Option<Span> {
+        passage.near(self.from, self.way, self.inverse, self.thickest() * self.field.reach())
+    }
+
     /// What its values may be within `reach` metres of a point, all in its own space; and the least radius there.
+    #[inline]
     pub(super) fn range(&self, point: Vec3, reach: f32) -> (Range, f32) {
         let (t, away) = self.nearest(point);
         let rounding = ROUNDING * (point.abs().max_element() + self.from.abs().max_element() + reach);
         let reach = reach * 1.0001 + rounding;
-        let distance = away.length();
+        let felt = self.thickest() * self.field.reach() * 1.0002 + reach;
+        // Most are too far away.
+        if away.length_squared() > felt * felt {
+            return (Range::NOTHING, self.thinnest());
+        }
+        self.range_near(t, away.length(), reach)
+    }
+
+    fn range_near(&self, t: f32, distance: f32, reach: f32) -> (Range, f32) {
         // By how much the radius changes a metre.
         let taper = self.growth.abs() * self.inverse.sqrt();
         let here = self.radius + t * self.growth;

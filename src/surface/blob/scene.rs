@@ -8,6 +8,7 @@ use super::jet::Jet;
 use super::operator::Operator;
 use super::primitive::{Leaf, Range};
 use crate::Bounds;
+use crate::surface::implicit::span::{Passage, Span};
 use glam::{Affine3A, Mat3A, Vec3};
 use smallvec::SmallVec;
 
@@ -290,6 +291,17 @@ impl Scene {
             1e-6 * (point.abs().max_element() * warp.stretch + warp.back.translation.abs().max_element());
         let (range, thin) = leaf.range(self.place(leaf, point), reach * warp.stretch + rounding);
         (Range { slope: range.slope * warp.stretch, ..range }, thin / warp.stretch)
+    }
+
+    /// Where a leaf may be felt along a passage.
+    pub(super) fn span(&self, leaf: u32, passage: &Passage) -> Option<Span> {
+        let leaf = &self.leaves[leaf as usize];
+        if leaf.warp == 0 {
+            return leaf.span(passage);
+        }
+        let back = self.warps[leaf.warp as usize].back;
+        let (origin, way) = (back.transform_point3(passage.origin), back.transform_vector3(passage.way));
+        leaf.span(&Passage { origin, way, ..*passage })
     }
 
     /// A point in a leaf's own space.

@@ -2,6 +2,7 @@
 
 use super::*;
 use crate::surface::implicit::solid::{Coverage, Part, Solid};
+use crate::surface::implicit::span::Passage;
 use glam::{Affine3A, Quat};
 use proptest::prelude::*;
 
@@ -197,6 +198,13 @@ proptest! {
                     if let Some((before, other)) = last {
                         let most = Part::lipschitz(&part) * before.distance(point);
                         prop_assert!((value - other).abs() <= most + rounding(Part::lipschitz(&part)));
+                        let way = point - before;
+                        let passage = Passage { origin: before, way, length: 1.0 };
+                        let span = part.span(&passage);
+                        for t in (0..=20).map(|i| i as f32 / 20.0) {
+                            let is_within = span.is_some_and(|(low, high)| low <= t && t <= high);
+                            prop_assert!(is_within || part.value(before + way * t) < 0.0, "{t} of {span:?}");
+                        }
                     }
                     last = Some((point, value));
                 }

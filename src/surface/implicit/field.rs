@@ -3,6 +3,7 @@
 #![allow(clippy::inline_always, reason = "a call in a loop over 64 voxels keeps it from being vectorized")]
 
 use super::solid::{Coverage, Part, Solid};
+use super::span::{Passage, Span, hull};
 use crate::surface::SurfaceError;
 use crate::{Bounds, Skeleton, surface::Material};
 use glam::Vec3;
@@ -256,6 +257,14 @@ impl Part for Felt<'_> {
             }
         }
         std::array::from_fn(|i| level(sum[i] + best[i] * best[i]))
+    }
+
+    fn span(&self, passage: &Passage) -> Option<Span> {
+        hull(self.near.iter().map(|&number| {
+            let segment = &self.field.segments[number as usize];
+            let reach = segment.thickest() * (1.0 + self.field.blend);
+            passage.near(segment.from, segment.way, segment.inverse, reach)
+        }))
     }
 
     fn color(&self, _: Vec3) -> [f32; 3] {

@@ -6,6 +6,7 @@ mod field;
 mod march;
 mod polygonizer;
 pub(crate) mod solid;
+pub(crate) mod span;
 
 pub use polygonizer::Polygonizer;
 

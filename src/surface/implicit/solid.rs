@@ -1,5 +1,6 @@
 //! What a polygonizer or a ray caster asks of an implicit surface.
 
+use super::span::{Passage, Span};
 use crate::Bounds;
 use glam::Vec3;
 
@@ -44,6 +45,11 @@ pub(crate) trait Part: Send + Sync {
             let offset = Vec3::new((i & 3) as f32, (i >> 2 & 3) as f32, (i >> 4) as f32);
             self.value(start + offset * step)
         })
+    }
+
+    /// Between which places of a passage within the cube its values may be 0 or above; `None` if nowhere.
+    fn span(&self, passage: &Passage) -> Option<Span> {
+        passage.whole()
     }
 
     /// The linear RGB colour at a point on the surface.
