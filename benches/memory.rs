@@ -1,4 +1,4 @@
-//! The most heap that a whole tree has in use, counted by the allocator, step by step, in bytes a node.
+//! The most heap that a whole tree has in use, counted by the allocator, step by step, in bytes a node; and of a skin.
 //!
 //! Apart from the other benches, for the counting allocator grows blocks by copying them and fills zeroed ones
 //! by hand: its times are no use, and its peak is what an allocator needs that can do no better.
@@ -9,7 +9,9 @@ use measure::{PRESET, SEED, count, label, number, print_table};
 use peak_alloc::PeakAlloc;
 use std::ops::ControlFlow;
 use std::sync::{Mutex, PoisonError};
+use treesynth::growth::{Growth, Species};
 use treesynth::guided::{Search, SynthesisError, TreeSynth};
+use treesynth::surface::{Polygonizer, blob::Skin};
 use treesynth::{Observer, Progress, Work};
 
 #[global_allocator]
@@ -67,8 +69,35 @@ fn measure_one(synth: &TreeSynth) -> Result<Usage, SynthesisError> {
     Ok(usage)
 }
 
+/// The skin of the cottonwood at 26.6 years and polygons of it, in MB: what it holds, and the most while it is made.
+fn poplar() -> Vec<Vec<String>> {
+    let age = if measure::is_test() { 5.6 } else { 26.6 };
+    let growth = Growth::new(Species::cottonwood(), SEED).expect("a species in range");
+    let skeleton = growth.at(age).expect("an age in range").skeleton;
+    let mut rows = Vec::new();
+    let mut note = |name: String, before: usize| {
+        let [held, peak] =
+            [HEAP.current_usage(), HEAP.peak_usage()].map(|bytes| bytes.saturating_sub(before));
+        rows.push(vec![name, number(held as f64 / 1e6), number(peak as f64 / 1e6)]);
+        HEAP.reset_peak_usage();
+    };
+    HEAP.reset_peak_usage();
+    let before = HEAP.current_usage();
+    let tree = Skin::default().with_age(age + 1.0).blob_tree(&skeleton).expect("a skin");
+    note(format!("BlobTree of {} primitives", count(tree.primitives())), before);
+    for detail in if measure::is_test() { [64.0, 128.0] } else { [1024.0, 8192.0] } {
+        let before = HEAP.current_usage();
+        let voxel = tree.bounds().size().max_element() / detail;
+        let surface = Polygonizer::default().with_voxel(voxel).with_most_blocks(20_000_000);
+        let mesh = surface.mesh(&tree).expect("a surface");
+        note(format!("polygons, {detail} voxels a side: {} vertices", count(mesh.positions.len())), before);
+    }
+    rows
+}
+
 fn main() {
     measure::single_thread();
+    print_table("The cottonwood at 26.6 years:", &["", "held, MB", "peak, MB"], &poplar());
     let sizes: &[usize] = if measure::is_test() { &[10_000] } else { &[150_000, 1_000_000] };
     let rows: Vec<Vec<String>> = sizes
         .iter()

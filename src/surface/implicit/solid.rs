@@ -49,7 +49,7 @@ pub(crate) trait Part: Send + Sync {
 
     /// Between which places of a passage within the cube its values may be 0 or above; `None` if nowhere.
     fn span(&self, passage: &Passage) -> Option<Span> {
-        passage.whole()
+        Some((0.0, passage.length))
     }
 
     /// The linear RGB colour at a point on the surface.

@@ -53,11 +53,6 @@ impl Passage {
         }
         (low <= high).then_some((low, high))
     }
-
-    /// All of it.
-    pub(crate) fn whole(&self) -> Option<Span> {
-        Some((0.0, self.length))
-    }
 }
 
 /// From the first to the last of what some spans have.
