@@ -5,7 +5,7 @@ mod measure;
 
 use measure::{SEED, Samples, count, number, print_table};
 use rayon::ThreadPoolBuilder;
-use treesynth::growth::{Growth, Stand};
+use treesynth::growth::{Growth, TreeAtAge};
 use treesynth::preview::{Camera, Preview, RayCaster};
 use treesynth::surface::blob::{BlobTree, Skin};
 use treesynth::surface::{Part, Polygonizer};
@@ -33,7 +33,7 @@ fn run() {
         let leaves = preset.leaves(&stand);
         (stand, leaves)
     };
-    let skin = |stand: &Stand, age: f32| -> BlobTree {
+    let skin = |stand: &TreeAtAge, age: f32| -> BlobTree {
         Skin::default().with_age(age + 1.0).blob_tree(&stand.skeleton).expect("a skin")
     };
     let (stand, leaves) = at(&growth, age);
@@ -42,7 +42,7 @@ fn run() {
     let square = measure::size(768, 24) as u32;
     let square = RayCaster::new(preview.clone().with_size(square, square));
     let film = preview
-        .with_camera(Camera::default().framing(tree.bounds()))
+        .with_camera(Camera::default().with_frame(tree.bounds()))
         .with_size(measure::size(480, 15) as u32, measure::size(640, 20) as u32)
         .with_ground_height(0.0);
     let film = RayCaster::new(film);

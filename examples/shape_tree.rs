@@ -1,14 +1,9 @@
 //! Fills a shape with a tree: a model (`.glb`), a picture (`.png`) and the energy of each step (`.energy.png`).
 //!
-//!     cargo run --release --example shape_tree -- [MESH | --sketch FILE.svg | --preset NAME] [--height METRES]
-//!         [--nodes N] [--seed N] [--out DIR] [--size PIXELS]
-//!
-//! MESH is an OBJ, STL or PLY file; `scripts/fetch_bunny` fetches one. Of an SVG file the first `<path>` is the crown's
-//! silhouette from the front, a second its silhouette from the side; transforms are not looked at. `--list` names the
-//! presets.
+//!     cargo run --release --example shape_tree -- --help
 
 use indicatif::{ProgressBar, ProgressStyle};
-use lexopt::prelude::{Long, Value, ValueExt};
+use lexopt::prelude::{Long, Short, Value, ValueExt};
 use std::fs::{self, File};
 use std::io::{BufReader, BufWriter};
 use std::ops::ControlFlow;
@@ -23,7 +18,31 @@ use treesynth::{Progress, Shape};
 
 type Failure = Box<dyn std::error::Error>;
 
-fn main() -> Result<(), Failure> {
+const HELP: &str = "\
+Fills a shape with a tree: a model (NAME.glb), a picture (NAME.png) and the energy of each step (NAME.energy.png).
+
+cargo run --release --example shape_tree -- [MESH | --sketch FILE.svg | --preset NAME] [OPTIONS]
+
+  MESH           an OBJ, STL or PLY file; scripts/fetch_bunny fetches one
+  --sketch FILE  an SVG file: its first <path> is the crown's silhouette from the front, a second that from the side;
+                 transforms are not looked at
+  --preset NAME  one of --list                               [variational-14-oak]
+  --list         the presets, one a line, and nothing else
+  --height M     how tall the mesh or sketch is, metres      [8]
+  --nodes N      shape nodes                                 [the preset's, or 4000]
+  --seed N       the seed                                    [the preset's, or 1]
+  --size N       side of the picture, pixels                 [800]
+  --out DIR      where files go; made if it is not there     [out]
+  --help         this text";
+
+fn main() {
+    if let Err(error) = run() {
+        eprintln!("error: {error}");
+        std::process::exit(1);
+    }
+}
+
+fn run() -> Result<(), Failure> {
     let mut name = "variational-14-oak".to_owned();
     let (mut mesh, mut sketch) = (None, None);
     let (mut nodes, mut seed, mut size, mut height) = (None, None, 800, 8.0);
@@ -41,6 +60,10 @@ fn main() -> Result<(), Failure> {
             Long("size") => size = arguments.value()?.parse()?,
             Long("list") => {
                 variational::presets().for_each(|preset| println!("{}: {}", preset.name, preset.caption));
+                return Ok(());
+            }
+            Long("help") | Short('h') => {
+                println!("{HELP}");
                 return Ok(());
             }
             other => return Err(other.unexpected().into()),

@@ -14,7 +14,7 @@
 //! [`self_organizing`] and [`growth`] grow it; a [`Skeleton`] is what comes out; [`radius`] makes it thick, [`metrics`] measures it, [`surface`] makes triangles of
 //! it, [`foliage`] puts leaves on it, [`export`] writes files, and
 //! [`preview`](https://docs.rs/treesynth/latest/treesynth/preview/) draws pictures. [`presets`] has the trees of the
-//! paper's figures, and stands that organize themselves, ready made.
+//! papers' figures and more, ready made.
 //!
 //! ```
 //! use treesynth::{Metrics, presets, surface::Tubes};
@@ -26,9 +26,10 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
-//! Conventions: metres, radians, +Y is up, right-handed, the root at the origin. Options are structs with `with_*`
-//! methods; they are checked where synthesis starts, and what is wrong comes back as an error that names the
-//! parameter, its value and its range. Nothing panics on bad input, and the library never prints.
+//! Conventions: metres, radians, +Y is up, right-handed, the root at the origin unless it is planted elsewhere. Options are structs with
+//! `with_*` methods; they are checked where work starts (curves at once), and what is wrong comes back as an error that names the
+//! parameter, its value and its range. Nothing panics on bad input, but methods that take
+//! the number of a node that does not exist (they say so); and the library never prints.
 //!
 //! # Features
 //!
@@ -36,7 +37,7 @@
 //!
 //! | feature | adds |
 //! |---|---|
-//! | `parallel` | graphs are built, forests grow and shapes are filled on rayon's threads; same bits |
+//! | `parallel` | graphs are built, forests grow, shapes are filled, closed surfaces and pictures made on rayon's threads; same bits |
 //! | `serde` | skeletons, metrics, forests and species with serde |
 //! | `json` | skeletons as JSON text, `export::json`; implies `serde` |
 //! | `mint` | `From` and `Into` between [`glam`]'s vectors and `mint`'s, for users on another glam version |

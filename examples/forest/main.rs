@@ -61,7 +61,7 @@ fn run(options: &Options) -> Result<(), Failure> {
     write(&file("glb"), |writer| Ok(write_glb_parts(&parts, &name, writer)?))?;
     write(&file("png"), |writer| Ok(Preview::default().draw_parts(&parts)?.write_png(writer)?))?;
     let bounds = last.iter().filter_map(|look| look.mesh.bounds()).reduce(Bounds::union);
-    let camera = Camera::default().framing(bounds.ok_or("nothing has sprouted yet")?);
+    let camera = Camera::default().with_frame(bounds.ok_or("nothing has sprouted yet")?);
     let preview = Preview::default().with_camera(camera).with_size(options.size, options.size);
     let sprouted = looks.iter().filter(|season| !season.is_empty());
     let frames = sprouted.map(|season| {

@@ -10,7 +10,7 @@ pub(crate) fn draw_all(options: &Options) -> Result<(), Failure> {
     let mut sheets: BTreeMap<u8, Vec<Picture>> = BTreeMap::new();
     for preset in blob::presets().filter(|preset| preset.name.contains(&options.only)) {
         let paper = [0.97, 0.965, 0.955];
-        let camera = Camera::default().with_azimuth(0.25).with_elevation(0.3).framing(preset.view);
+        let camera = Camera::default().with_azimuth(0.25).with_elevation(0.3).with_frame(preset.view);
         let preview = Preview::default()
             .with_size(options.size, options.size)
             .with_background(paper, paper)

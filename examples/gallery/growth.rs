@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use treesynth::Bounds;
 use treesynth::foliage::{Leaf, Leaves};
 use treesynth::glam::{Vec2, Vec3};
-use treesynth::growth::Stand;
+use treesynth::growth::TreeAtAge;
 use treesynth::presets::{self, Grown};
 use treesynth::preview::{Camera, Picture, Preview};
 use treesynth::surface::{Part, Tubes};
@@ -34,7 +34,7 @@ pub(crate) fn draw_all(options: &Options) -> Result<(), Failure> {
 /// The ages of a figure, all at the scale of the last.
 fn draw(preset: &Grown, size: u32) -> Result<Vec<Picture>, Failure> {
     let growth = preset.grow(preset.seed)?;
-    let stands: Vec<Stand> = preset.ages.iter().map(|&age| growth.at(age)).collect::<Result<_, _>>()?;
+    let stands: Vec<TreeAtAge> = preset.ages.iter().map(|&age| growth.at(age)).collect::<Result<_, _>>()?;
     let everything = stands.iter().map(|stand| Bounds::of(stand.skeleton.positions().iter().copied()));
     let Some(bounds) = everything.reduce(Bounds::union) else { return Ok(Vec::new()) };
     let labelled = stands.iter().zip(preset.ages).map(|(stand, age)| {
@@ -50,7 +50,7 @@ fn draw(preset: &Grown, size: u32) -> Result<Vec<Picture>, Failure> {
 }
 
 /// Each year's growth in turn blue and red, the latest green, as figure 8 has it.
-fn lines(stand: &Stand, age: f32, bounds: Bounds, size: u32) -> Result<Picture, Failure> {
+fn lines(stand: &TreeAtAge, age: f32, bounds: Bounds, size: u32) -> Result<Picture, Failure> {
     let scale = size as f32 * 0.9 / bounds.size().max_element();
     let foot = Vec2::new(size as f32 * 0.5, size as f32 * 0.95);
     let at = |place: Vec3| foot + Vec2::new(place.x, -place.y) * scale;
@@ -69,12 +69,12 @@ fn lines(stand: &Stand, age: f32, bounds: Bounds, size: u32) -> Result<Picture, 
     Ok(picture)
 }
 
-fn shaded(preset: &Grown, stand: &Stand, bounds: Bounds, size: u32) -> Result<Picture, Failure> {
+fn shaded(preset: &Grown, stand: &TreeAtAge, bounds: Bounds, size: u32) -> Result<Picture, Failure> {
     let mesh = Tubes::default().with_sides(5).mesh(&stand.skeleton)?;
     let (leaves, buds) = (preset.leaves(stand), Leaves::buds(stand, &Leaf::bud()));
     let bark = Part::new(&mesh).with_material(preset.bark());
     let parts: Vec<_> = [bark, buds.part()].into_iter().chain(leaves.iter().map(Leaves::part)).collect();
     let preview = Preview::default().with_size(size, size).with_background(PAPER, PAPER);
-    let camera = Camera::default().framing(bounds);
+    let camera = Camera::default().with_frame(bounds);
     Ok(preview.with_camera(camera).with_ground_height(0.0).draw_parts(&parts)?)
 }

@@ -1,6 +1,6 @@
 //! Draws every preset, a sheet for each figure, and a sheet of all trees in summer, into `docs/figures/`.
 //!
-//!     cargo run --release --example gallery -- [--nodes N] [--out DIR] [--size PIXELS] [--only TEXT]
+//!     cargo run --release --example gallery -- --help
 
 mod blobs;
 mod growth;
@@ -9,7 +9,7 @@ mod shapes;
 mod stands;
 
 use base64::Engine;
-use lexopt::prelude::{Long, ValueExt};
+use lexopt::prelude::{Long, Short, ValueExt};
 use std::collections::BTreeMap;
 use std::fs::{self, File};
 use std::io::{BufWriter, Write};
@@ -23,6 +23,17 @@ use treesynth::surface::{Part, Tubes};
 
 type Failure = Box<dyn std::error::Error>;
 
+const HELP: &str = "\
+Draws every preset, a sheet for each figure, and a sheet of all trees in summer.
+
+cargo run --release --example gallery -- [OPTIONS]
+
+  --only TEXT   presets whose names contain it             [all]
+  --nodes N     nodes of the graphs                        [150000]
+  --size N      side of a picture, pixels                  [400]
+  --out DIR     where pictures go; made if it is not there [docs/figures]
+  --help        this text";
+
 struct Options {
     nodes: usize,
     out: PathBuf,
@@ -30,7 +41,14 @@ struct Options {
     only: String,
 }
 
-fn main() -> Result<(), Failure> {
+fn main() {
+    if let Err(error) = run() {
+        eprintln!("error: {error}");
+        std::process::exit(1);
+    }
+}
+
+fn run() -> Result<(), Failure> {
     let mut options =
         Options { nodes: TYPICAL_NODES, out: "docs/figures".into(), size: 400, only: String::new() };
     let mut arguments = lexopt::Parser::from_env();
@@ -40,6 +58,10 @@ fn main() -> Result<(), Failure> {
             Long("out") => options.out = arguments.value()?.into(),
             Long("size") => options.size = arguments.value()?.parse()?,
             Long("only") => options.only = arguments.value()?.string()?,
+            Long("help") | Short('h') => {
+                println!("{HELP}");
+                return Ok(());
+            }
             other => return Err(other.unexpected().into()),
         }
     }

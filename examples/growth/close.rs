@@ -2,7 +2,7 @@
 
 use super::Failure;
 use treesynth::glam::{Quat, Vec3};
-use treesynth::growth::{Growth, Stand};
+use treesynth::growth::{Growth, TreeAtAge};
 use treesynth::presets::Grown;
 use treesynth::preview::{Camera, Picture, Preview, RayCaster};
 use treesynth::surface::blob::Skin;
@@ -46,7 +46,7 @@ pub(crate) fn sheet(preset: &Grown, growth: &Growth, size: u32) -> Result<Option
         let preview = Preview::default()
             .with_size(size, size)
             .with_ground(false)
-            .with_camera(Camera::default().with_azimuth(azimuth).framing(frame))
+            .with_camera(Camera::default().with_azimuth(azimuth).with_frame(frame))
             .with_sun(Quat::from_rotation_y(azimuth) * Vec3::new(-0.55, 0.95, 0.8));
         let bark = skin(preset, age).blob_tree(&fork)?;
         let mut picture = RayCaster::new(preview).draw(&bark, &[], &Silent)?;
@@ -57,7 +57,7 @@ pub(crate) fn sheet(preset: &Grown, growth: &Growth, size: u32) -> Result<Option
 }
 
 /// What is within `reach` metres of the fork along trunk and limb; the fork's place, and which way the limb leads.
-fn cut(stand: &Stand, ids: [u32; 2], reach: f32) -> Result<Option<(Skeleton, Vec3, Vec3)>, Failure> {
+fn cut(stand: &TreeAtAge, ids: [u32; 2], reach: f32) -> Result<Option<(Skeleton, Vec3, Vec3)>, Failure> {
     let tree = &stand.skeleton;
     let [Some(base), Some(first)] = ids.map(|id| stand.node(id)) else { return Ok(None) };
     let middle = tree.positions()[base];

@@ -12,7 +12,7 @@ use std::io::{BufWriter, Write};
 use std::path::Path;
 use treesynth::export::gltf::{GlbOptions, write_glb_parts};
 use treesynth::foliage::{Leaf, Leaves};
-use treesynth::growth::{Growth, Stand};
+use treesynth::growth::{Growth, TreeAtAge};
 use treesynth::presets::{self, Grown};
 use treesynth::preview::{Camera, Picture, Preview, RayCaster};
 use treesynth::surface::{Mesh, Part, Tubes};
@@ -62,7 +62,7 @@ fn run(options: &Options) -> Result<(), Failure> {
     let size = options.size;
     let width = (size * 3 / 4).max(1);
     let oldest = Look::at(preset, &growth, f32::from(growth.years()) - 0.4, 4)?;
-    let camera = Camera::default().framing(oldest.bounds().ok_or("nothing has sprouted yet")?);
+    let camera = Camera::default().with_frame(oldest.bounds().ok_or("nothing has sprouted yet")?);
     let preview = Preview::default().with_camera(camera).with_size(width, size).with_ground_height(0.0);
     let draw = |age: f32| -> Result<Picture, Failure> {
         let look = Look::at(preset, &growth, age, 5)?;
@@ -108,7 +108,7 @@ fn run(options: &Options) -> Result<(), Failure> {
 /// A tree of one age, to be drawn and written.
 struct Look {
     age: f32,
-    stand: Stand,
+    stand: TreeAtAge,
     mesh: Mesh,
     leaves: Vec<Leaves>,
     buds: Leaves,

@@ -28,8 +28,8 @@ const ELEMENT_ARRAY_BUFFER: u32 = 34963;
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 #[non_exhaustive]
 pub enum Instancing {
-    /// `EXT_mesh_gpu_instancing`: 40 bytes an instance, drawn at once. Blender, three.js, Babylon.js and engines read
-    /// it; a program that does not shows one leaf at the foot of the tree.
+    /// `EXT_mesh_gpu_instancing`: 40 bytes an instance, drawn at once. Blender and three.js read it
+    /// (`scripts/check_exports`), and others; a program that does not shows one leaf at the foot of the tree.
     #[default]
     Extension,
     /// A node an instance, which every program reads: about 200 bytes each, and as many objects in the program.
@@ -95,7 +95,9 @@ impl GlbOptions {
     }
 }
 
-/// Writes `mesh` as a glTF 2.0 binary file: positions, normals, indices, and whatever else the vertices have.
+/// Writes `mesh` as a glTF 2.0 binary file: positions, normals, indices, and whatever else the vertices have: tangents,
+/// texture coordinates (`TEXCOORD_0`), colours (`COLOR_0`), and of [`Wind`](crate::surface::Wind) the custom attributes
+/// `_WIND_PIVOT` (VEC3, metres) and `_WIND` (VEC3: level, phase, stiffness).
 ///
 /// glTF's axes and unit are this crate's (right-handed, +Y up, metres), so nothing is converted and every number
 /// comes back as it is. The same mesh and options give the same bytes. O(vertices + triangles) time, O(1) memory.

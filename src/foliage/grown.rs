@@ -1,13 +1,13 @@
 //! The leaves and buds of a tree that grows over the years: they know where they are.
 
 use super::{Leaf, Leaves};
-use crate::growth::Stand;
+use crate::growth::TreeAtAge;
 use crate::math;
 use crate::surface::Instance;
 use glam::{Mat3, Quat, Vec3};
 
 impl Leaves {
-    /// The leaves of a stand of [`growth`](crate::growth), all of this shape, a value for each of their colours, in the
+    /// The leaves of a tree of [`growth`](crate::growth), all of this shape, a value for each of their colours, in the
     /// order in which colours first occur; none for a bare tree. The leaf's mesh is taken to be 1 long.
     ///
     /// ```
@@ -21,9 +21,9 @@ impl Leaves {
     /// assert_eq!(leaves.iter().map(|tone| tone.instances.len()).sum::<usize>(), summer.leaves.len());
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
-    pub fn grown(stand: &Stand, leaf: &Leaf) -> Vec<Self> {
+    pub fn grown(tree: &TreeAtAge, leaf: &Leaf) -> Vec<Self> {
         let mut tones: Vec<([f32; 3], Self)> = Vec::new();
-        for grown in &stand.leaves {
+        for grown in &tree.leaves {
             let instance = Instance {
                 position: grown.position,
                 rotation: rotation(grown.midrib, grown.normal),
@@ -42,9 +42,9 @@ impl Leaves {
         tones.into_iter().map(|(_, leaves)| leaves).collect()
     }
 
-    /// The buds of a stand of [`growth`](crate::growth): [`Leaf::bud`]s, or a mesh of your own.
-    pub fn buds(stand: &Stand, bud: &Leaf) -> Self {
-        let instances = stand.buds.iter().map(|grown| Instance {
+    /// The buds of a tree of [`growth`](crate::growth): [`Leaf::bud`]s, or a mesh of your own.
+    pub fn buds(tree: &TreeAtAge, bud: &Leaf) -> Self {
+        let instances = tree.buds.iter().map(|grown| Instance {
             position: grown.position,
             rotation: rotation(grown.direction, math::perpendicular(grown.direction)),
             scale: grown.length,

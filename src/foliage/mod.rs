@@ -43,7 +43,7 @@ pub enum FoliageError {
     #[error(transparent)]
     Parameter(#[from] ParameterError),
     /// Every radius is zero: no radius model has been applied yet.
-    #[error("all {nodes} nodes have the radius zero; set radii before placing leaves")]
+    #[error("all {nodes} nodes have the radius zero; give them some, e.g. by radius::PipeModel")]
     NoRadii {
         /// The number of nodes.
         nodes: usize,
@@ -212,7 +212,8 @@ impl Foliage {
     }
 
     /// The part of the leaves that is there, 0 to 1; default 1. With one seed, the leaves of a smaller part are among
-    /// those of a larger one.
+    /// those of a larger one. A crown stays as dense if the rest are larger: half of the leaves √2 times as long, and so on for
+    /// each [level](crate::surface::Levels).
     pub fn with_kept(mut self, share: f32) -> Self {
         self.kept = share;
         self

@@ -21,7 +21,7 @@ const TONE_STEP: f32 = 0.015;
 /// A tree at one age; see [`Growth::at`].
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
-pub struct Stand {
+pub struct TreeAtAge {
     /// Positions, radii, branch orders; `stages` are the years in which the nodes grew, from 1, `hops` their distances
     /// from the root in nodes. A branch is as old as the tree less the stage of its first node, plus one.
     pub skeleton: Skeleton,
@@ -33,14 +33,14 @@ pub struct Stand {
     pub buds: Vec<Bud>,
 }
 
-impl Stand {
+impl TreeAtAge {
     /// The place in the skeleton of the node with this number; `None` if it does not stand. O(n).
     pub fn node(&self, id: u32) -> Option<usize> {
         self.ids.iter().position(|&other| other == id)
     }
 }
 
-/// A leaf of a [`Stand`].
+/// A leaf of a [`TreeAtAge`].
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub struct Leaf {
@@ -58,7 +58,7 @@ pub struct Leaf {
     pub color: [f32; 3],
 }
 
-/// A bud of a [`Stand`].
+/// A bud of a [`TreeAtAge`].
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub struct Bud {
@@ -91,7 +91,7 @@ struct Unfolded {
     sums: Vec<f32>,
 }
 
-pub(super) fn stand(growth: &Growth, age: f32) -> Result<Stand, SkeletonError> {
+pub(super) fn at(growth: &Growth, age: f32) -> Result<TreeAtAge, SkeletonError> {
     let mut layout = Layout::new(growth, age);
     if layout.year > 0 {
         layout.run();
@@ -341,13 +341,13 @@ impl<'a> Layout<'a> {
         }
     }
 
-    fn finish(self) -> Result<Stand, SkeletonError> {
+    fn finish(self) -> Result<TreeAtAge, SkeletonError> {
         let skeleton = Skeleton::new(self.positions, self.parents)?
             .with_radii(self.radii)?
             .with_stages(self.stages)?
             .with_orders(self.orders)?
             .with_hops(self.hops)?;
-        Ok(Stand { skeleton, ids: self.ids, leaves: self.leaves, buds: self.buds })
+        Ok(TreeAtAge { skeleton, ids: self.ids, leaves: self.leaves, buds: self.buds })
     }
 }
 
@@ -384,7 +384,7 @@ struct Path<'a> {
 impl<'a> Path<'a> {
     fn new(growth: &'a Growth, number: usize, axis: &Axis, base: Base, length: f32) -> Self {
         let species = &growth.species;
-        let base_radius = species.slenderness * length * (length / species.longest_branch).sqrt();
+        let base_radius = species.stoutness * length * (length / species.longest_branch).sqrt();
         let thickness = species.twig_radius + base_radius * species.taper.at(0.0);
         let number = number as u64;
         // Where the trunk's laterals begin is fixed, so that drawings of flat trees are seen from the front.

@@ -21,7 +21,7 @@ mod structure;
 mod timeline;
 
 pub use curve::Curve;
-pub use form::{Bud, Leaf, Stand};
+pub use form::{Bud, Leaf, TreeAtAge};
 pub use phenology::Phenology;
 pub use species::Species;
 pub use timeline::Timeline;
@@ -43,7 +43,7 @@ pub enum GrowthError {
     /// The tree has been worked out up to this year only. All ages before are to be had.
     #[error(
         "year {year} would bring the tree to {nodes} nodes, those it has lost included, but the limit is {limit}; it can \
-         be had up to the age of {}", year - 1
+         be had up to the age of {}; Growth::with_most_nodes raises the limit", year - 1
     )]
     Limit {
         /// The first year that is missing.
@@ -105,7 +105,8 @@ impl Growth {
         Ok(Self { species, seed, most_nodes, structure })
     }
 
-    /// The tree at an age in years since germination, 0 to the species' greatest age. At 0 it is a root alone.
+    /// The tree at an age in years since germination, 0 to the species' greatest age. At 0 it is a root alone, of which no
+    /// mesh comes; a whole number is midwinter, when broad-leaved trees are bare: 20.6 is the 21st summer.
     ///
     /// Within a season shoots unfold; at the end of year y every branch is as long as equation 7 or 12 says for y. All
     /// places move smoothly with the age; a branch that is lost goes at once, with all it bears. One pass over the
@@ -113,7 +114,7 @@ impl Growth {
     ///
     /// # Errors
     /// An age that is negative, not finite or greater than the greatest; [`GrowthError::Limit`] where years are missing.
-    pub fn at(&self, age: f32) -> Result<Stand, GrowthError> {
+    pub fn at(&self, age: f32) -> Result<TreeAtAge, GrowthError> {
         let most = self.species.years;
         let holds = age >= 0.0 && age <= f32::from(most);
         let range = format!("0 to {most} years, the greatest age of the species");
@@ -122,7 +123,7 @@ impl Growth {
             let year = self.structure.years + 1;
             return Err(GrowthError::Limit { year, nodes, limit: self.most_nodes });
         }
-        Ok(form::stand(self, age)?)
+        Ok(form::at(self, age)?)
     }
 
     /// The years that are to be had: all, unless the limit of nodes came first.

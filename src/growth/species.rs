@@ -27,7 +27,7 @@ pub struct Species {
     pub(super) least_scale: f32,
     pub(super) most_order: u16,
     pub(super) divergence: f32,
-    pub(super) slenderness: f32,
+    pub(super) stoutness: f32,
     pub(super) twig_radius: f32,
     pub(super) variation: f32,
     pub(super) scale_variation: f32,
@@ -85,10 +85,11 @@ impl Species {
         self
     }
 
-    /// The radius of the base of a branch of the [greatest length](Self::with_longest_branch) beside that length, 0 to 1.
+    /// How thick branches are: the radius of the base of one of the [greatest length](Self::with_longest_branch) over that
+    /// length, 0 to 1.
     /// Radii are as length to the power of 1.5, as elastic similarity has it (`McMahon` 1973).
-    pub fn with_slenderness(mut self, ratio: f32) -> Self {
-        self.slenderness = ratio;
+    pub fn with_stoutness(mut self, ratio: f32) -> Self {
+        self.stoutness = ratio;
         self
     }
 
@@ -249,7 +250,7 @@ impl Species {
             ("longest_branch", self.longest_branch, 0.001, 10000.0),
             ("least_scale", self.least_scale, 0.0, 1.0),
             ("divergence", self.divergence, -TAU, TAU),
-            ("slenderness", self.slenderness, 0.0, 1.0),
+            ("stoutness", self.stoutness, 0.0, 1.0),
             ("twig_radius", self.twig_radius, 1e-06, 1.0),
             ("variation", self.variation, 0.0, 1.0),
             ("scale_variation", self.scale_variation, 0.0, 0.9),

@@ -73,7 +73,10 @@ impl Timeline {
         self.years
     }
 
-    /// The tree at an age, 0 to its years: the nodes that [stand](Self::standing), tips on their way to the next node,
+    /// The tree at an age, 0 to its years, bark only: leaves that [`Foliage`](crate::foliage::Foliage) places on two ages have
+    /// nothing to do with each other.
+    ///
+    /// It has the nodes that [stand](Self::standing), tips on their way to the next node,
     /// radii as the rings are by then, orders as in the whole tree. `stages` are years: an internode's is the one in which it
     /// begins, from 1. O(n).
     ///

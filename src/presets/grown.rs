@@ -4,7 +4,7 @@
 use super::look::{self, Look};
 use crate::ParameterError;
 use crate::foliage::{Leaf, Leaves};
-use crate::growth::{Curve, Growth, Species, Stand};
+use crate::growth::{Curve, Growth, Species, TreeAtAge};
 use crate::surface::Material;
 use std::f32::consts::PI;
 
@@ -51,9 +51,9 @@ impl Grown {
         self.look.bark()
     }
 
-    /// The leaves that hang on a stand, a value a colour.
-    pub fn leaves(&self, stand: &Stand) -> Vec<Leaves> {
-        Leaves::grown(stand, &(self.leaf)())
+    /// The leaves that hang on a tree, a value a colour.
+    pub fn leaves(&self, tree: &TreeAtAge) -> Vec<Leaves> {
+        Leaves::grown(tree, &(self.leaf)())
     }
 
     const fn new(

@@ -1,9 +1,15 @@
-//! The trees of the paper's figures, by name, and some that refine their graphs between stages or grow
-//! on graphs of varying spacing.
+//! The trees of the papers' figures, by name, and more.
 //!
-//! After Xu and Mould 2015, "Procedural Tree Modeling with Guiding Vectors". Angles, hops, exclusion zones and
-//! counts are the paper's where it gives them; heights (about 10 m), crowns and the rest are chosen so that the
-//! tree shows what its figure shows, and each preset's caption says what that is.
+//! | presets | by name | after |
+//! |---|---|---|
+//! | [`all`] | [`by_name`] | Xu and Mould 2015, "Procedural Tree Modeling with Guiding Vectors"; trees that refine their graphs or grow on graphs of varying spacing |
+//! | [`stands`] | [`stand_by_name`] | Pałubicki et al. 2009: habits and stands that organize themselves |
+//! | [`grown`] | [`grown_by_name`] | Galbraith, Mündermann and Wyvill 2004: trees over the years |
+//! | [`variational::presets`](crate::variational::presets) | [`variational::by_name`](crate::variational::by_name) | Wang et al. 2014: trees that fill shapes |
+//! | [`blob::presets`](crate::surface::blob::presets) | [`blob::by_name`](crate::surface::blob::by_name) | Galbraith, Mündermann and Wyvill 2004: junctions |
+//!
+//! Of the first, angles, hops, exclusion zones and counts are the paper's where it gives them; heights (about 10 m), crowns
+//! and the rest are chosen so that the tree shows what its figure shows, and each preset's caption says what that is.
 //!
 //! ```
 //! use treesynth::presets;

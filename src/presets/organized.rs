@@ -3,7 +3,7 @@
 use super::{Season, degrees, look};
 use crate::Skeleton;
 use crate::foliage::{FoliageError, Leaves};
-use crate::self_organizing::{Forest, GrowthError, Habit, Offspring, ShadowPropagation, Tree, VigorModel};
+use crate::self_organizing::{Forest, ForestError, Habit, Offspring, ShadowPropagation, Tree, VigorModel};
 use crate::shape::{Bounds, Cuboid, Sphere, Union};
 use glam::Vec3;
 
@@ -19,7 +19,7 @@ pub struct Stand {
     pub seed: u64,
     /// Seasons it grows for.
     pub seasons: u32,
-    plant: fn(u64) -> Result<Forest, GrowthError>,
+    plant: fn(u64) -> Result<Forest, ForestError>,
 }
 
 impl Stand {
@@ -27,7 +27,7 @@ impl Stand {
     ///
     /// # Errors
     /// None for the presets of this module.
-    pub fn plant(&self, seed: u64) -> Result<Forest, GrowthError> {
+    pub fn plant(&self, seed: u64) -> Result<Forest, ForestError> {
         (self.plant)(seed)
     }
 
@@ -35,7 +35,7 @@ impl Stand {
     ///
     /// # Errors
     /// None that is known of for the presets of this module.
-    pub fn grow(&self, seed: u64) -> Result<Forest, GrowthError> {
+    pub fn grow(&self, seed: u64) -> Result<Forest, ForestError> {
         let mut forest = self.plant(seed)?;
         forest.grow(self.seasons)?;
         Ok(forest)
@@ -139,7 +139,7 @@ const fn stand(
     name: &'static str,
     caption: &'static str,
     seasons: u32,
-    plant: fn(u64) -> Result<Forest, GrowthError>,
+    plant: fn(u64) -> Result<Forest, ForestError>,
 ) -> Stand {
     Stand { name, caption, seed: 1, seasons, plant }
 }
@@ -158,7 +158,7 @@ fn apical(control: f32) -> Habit {
 }
 
 /// One tree in the open.
-fn alone(seed: u64, habit: Habit) -> Result<Forest, GrowthError> {
+fn alone(seed: u64, habit: Habit) -> Result<Forest, ForestError> {
     let mut forest = Forest::new(light(20.0, 18.0), habit, seed);
     forest.plant(Vec3::ZERO)?;
     Ok(forest)

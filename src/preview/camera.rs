@@ -73,7 +73,7 @@ impl Camera {
     }
 
     /// Frames a box instead of what it is shown. Triangles that reach behind the camera are left out.
-    pub fn framing(mut self, bounds: Bounds) -> Self {
+    pub fn with_frame(mut self, bounds: Bounds) -> Self {
         self.frame = Some(bounds);
         self
     }

@@ -320,7 +320,7 @@ impl Preview {
         let half = far.x.max(far.z);
         let frame =
             Bounds { min: Vec3::new(-half, bounds.min.y, -half), max: Vec3::new(half, bounds.max.y, half) };
-        let camera = self.camera.clone().framing(frame);
+        let camera = self.camera.clone().with_frame(frame);
         (0..pictures).map(move |picture| {
             let turned = camera.clone().turned(picture as f32 / pictures as f32 * TAU);
             self.clone().with_camera(turned).draw_parts(parts)

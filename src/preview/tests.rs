@@ -249,8 +249,8 @@ fn faults_are_named() {
         small.clone().with_camera(Camera::default().with_elevation(2.0)),
         small.clone().with_camera(Camera::default().with_margin(0.5)),
         small.clone().with_camera(level().with_projection(Projection::Perspective { field_of_view: 0.0 })),
-        small.clone().with_camera(level().framing(Bounds { min: Vec3::ONE, max: Vec3::ZERO })),
-        small.clone().with_camera(level().framing(Bounds { min: Vec3::ZERO, max: Vec3::splat(nan) })),
+        small.clone().with_camera(level().with_frame(Bounds { min: Vec3::ONE, max: Vec3::ZERO })),
+        small.clone().with_camera(level().with_frame(Bounds { min: Vec3::ZERO, max: Vec3::splat(nan) })),
     ];
     for preview in wrong {
         assert!(matches!(preview.draw(&pole(0.1)), Err(PreviewError::Parameter(_))), "{preview:?}");
@@ -276,7 +276,7 @@ proptest! {
         let mut camera =
             Camera::default().with_azimuth(azimuth).with_elevation(elevation).with_projection(projection);
         if let Some(high) = frame {
-            camera = camera.framing(Bounds { min: Vec3::ZERO, max: Vec3::from_array(high) });
+            camera = camera.with_frame(Bounds { min: Vec3::ZERO, max: Vec3::from_array(high) });
         }
         let preview = Preview::default().with_size(size.0, size.1).with_supersampling(samples).with_camera(camera);
         let picture = preview.draw_parts(&[Part::new(&mesh).with_material(black().with_double_sided(two_sided))]);

@@ -37,7 +37,7 @@ const MOST_CELLS: f32 = 128.0;
 /// tree.grow(15)?;
 /// assert!(tree.metamers() > 100);
 /// assert!(tree.environment().free() < 5000);
-/// # Ok::<(), treesynth::self_organizing::GrowthError>(())
+/// # Ok::<(), treesynth::self_organizing::ForestError>(())
 /// ```
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]

@@ -50,7 +50,7 @@ const TOLD: usize = 1 << 18;
 /// assert_eq!(forest.trees().len(), 2);
 /// let ahead = forest.ahead(5)?;
 /// assert!(ahead.metamers() > forest.metamers() && forest.season() == 10);
-/// # Ok::<(), treesynth::self_organizing::GrowthError>(())
+/// # Ok::<(), treesynth::self_organizing::ForestError>(())
 /// ```
 #[derive(Debug, Clone)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
@@ -76,7 +76,7 @@ pub struct Forest<E: Environment = ShadowPropagation> {
 /// Why a season did not come to pass.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
-pub enum GrowthError {
+pub enum ForestError {
     /// An option is out of its range.
     #[error(transparent)]
     Parameter(#[from] ParameterError),
@@ -84,7 +84,7 @@ pub enum GrowthError {
     /// kept; with a higher limit, growth goes on from there.
     #[error(
         "season {season} would bring the forest to {metamers} metamers, but the limit is {limit}; what has grown until \
-         then is kept"
+         then is kept; with_most_metamers raises the limit"
     )]
     Limit {
         /// The season, from 1.
@@ -114,7 +114,7 @@ pub enum GrowthError {
     Skeleton(#[from] SkeletonError),
 }
 
-impl From<Cancelled> for GrowthError {
+impl From<Cancelled> for ForestError {
     fn from(_: Cancelled) -> Self {
         Self::Cancelled
     }
@@ -194,7 +194,7 @@ impl<E: Environment> Forest<E> {
     ///
     /// # Errors
     /// No room there: outside of the environment or an envelope, in an obstacle, not finite; or too many trees.
-    pub fn plant(&mut self, foot: Vec3) -> Result<u32, GrowthError> {
+    pub fn plant(&mut self, foot: Vec3) -> Result<u32, ForestError> {
         self.plant_as(foot, 0)
     }
 
@@ -202,7 +202,7 @@ impl<E: Environment> Forest<E> {
     ///
     /// # Errors
     /// As `plant`, and a species that does not exist.
-    pub fn plant_as(&mut self, foot: Vec3, habit: usize) -> Result<u32, GrowthError> {
+    pub fn plant_as(&mut self, foot: Vec3, habit: usize) -> Result<u32, ForestError> {
         self.check()?;
         ParameterError::unless(
             habit < self.habits.len(),
@@ -246,7 +246,7 @@ impl<E: Environment> Forest<E> {
     ///
     /// # Errors
     /// Options out of range, and the limits.
-    pub fn step(&mut self) -> Result<(), GrowthError> {
+    pub fn step(&mut self) -> Result<(), ForestError> {
         self.grow_observed(1, &Silent)
     }
 
@@ -254,15 +254,15 @@ impl<E: Environment> Forest<E> {
     ///
     /// # Errors
     /// As [`step`](Self::step); seasons finished before the error are kept.
-    pub fn grow(&mut self, seasons: u32) -> Result<(), GrowthError> {
+    pub fn grow(&mut self, seasons: u32) -> Result<(), ForestError> {
         self.grow_observed(seasons, &Silent)
     }
 
     /// As [`grow`](Self::grow), telling `observer` how far it is and stopping when told to.
     ///
     /// # Errors
-    /// As `grow`, and [`GrowthError::Cancelled`].
-    pub fn grow_observed(&mut self, seasons: u32, observer: &dyn Observer) -> Result<(), GrowthError> {
+    /// As `grow`, and [`ForestError::Cancelled`].
+    pub fn grow_observed(&mut self, seasons: u32, observer: &dyn Observer) -> Result<(), ForestError> {
         for index in 0..seasons {
             self.pass(Work::Season { index, of: seasons }, observer)?;
         }
@@ -273,7 +273,7 @@ impl<E: Environment> Forest<E> {
     ///
     /// # Errors
     /// As [`grow`](Self::grow).
-    pub fn ahead(&self, seasons: u32) -> Result<Self, GrowthError>
+    pub fn ahead(&self, seasons: u32) -> Result<Self, ForestError>
     where
         E: Clone,
     {
@@ -282,7 +282,7 @@ impl<E: Environment> Forest<E> {
         Ok(forest)
     }
 
-    fn pass(&mut self, work: Work, observer: &dyn Observer) -> Result<(), GrowthError> {
+    fn pass(&mut self, work: Work, observer: &dyn Observer) -> Result<(), ForestError> {
         self.check()?;
         report(observer, work, 0.0)?;
         loop {
@@ -295,9 +295,9 @@ impl<E: Environment> Forest<E> {
     }
 
     /// The season of the trees whose turn it is: they look, all at once, then grow, then the environment is told.
-    fn take_turn(&mut self) -> Result<(), GrowthError> {
+    fn take_turn(&mut self) -> Result<(), ForestError> {
         let season =
-            self.season.checked_add(1).ok_or(GrowthError::Numbers { what: "seasons", most: 65_535 })?;
+            self.season.checked_add(1).ok_or(ForestError::Numbers { what: "seasons", most: 65_535 })?;
         let standing = self.metamers() as u64;
         let (habits, seed, turn) = (&self.habits, self.seed, self.turn);
         // Buds that share out markers must all be there at once.
@@ -411,7 +411,7 @@ impl<E: Environment> Forest<E> {
     ///
     /// # Errors
     /// Radii beyond `f32`.
-    pub fn skeleton(&self, tree: &Tree) -> Result<Skeleton, GrowthError> {
+    pub fn skeleton(&self, tree: &Tree) -> Result<Skeleton, ForestError> {
         let habit = self.habits.get(tree.habit()).unwrap_or(&self.habits[0]);
         let skeleton = tree.skeleton()?;
         let radii = Width::new(tree, habit).radii(&skeleton)?;
@@ -422,7 +422,7 @@ impl<E: Environment> Forest<E> {
     ///
     /// # Errors
     /// As [`skeleton`](Self::skeleton).
-    pub fn skeletons(&self) -> Result<Vec<Skeleton>, GrowthError> {
+    pub fn skeletons(&self) -> Result<Vec<Skeleton>, ForestError> {
         parallel::map(self.trees.len(), |tree| self.skeleton(&self.trees[tree])).into_iter().collect()
     }
 }
@@ -462,14 +462,14 @@ fn check_limits(
     plans: &[Plan],
     standing: u64,
     limit: usize,
-) -> Result<(), GrowthError> {
+) -> Result<(), ForestError> {
     let metamers = plans.iter().fold(standing, |sum, plan| sum.saturating_add(plan.metamers));
     if metamers > limit as u64 {
-        return Err(GrowthError::Limit { season, metamers, limit });
+        return Err(ForestError::Limit { season, metamers, limit });
     }
     let numbers = trees.iter().zip(plans).map(|(tree, plan)| u64::from(tree.next_number) + plan.metamers);
     if numbers.max() > Some(u64::from(u32::MAX)) {
-        return Err(GrowthError::Numbers { what: "the nodes of a tree", most: u32::MAX });
+        return Err(ForestError::Numbers { what: "the nodes of a tree", most: u32::MAX });
     }
     Ok(())
 }

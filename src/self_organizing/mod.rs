@@ -30,7 +30,7 @@ mod width;
 
 pub use colonization::SpaceColonization;
 pub use environment::{Bud, Environment};
-pub use forest::{Forest, GrowthError};
+pub use forest::{Forest, ForestError};
 pub use habit::{Habit, Phyllotaxis, Shedding};
 pub use offspring::Offspring;
 pub use shadow::ShadowPropagation;

@@ -1,7 +1,7 @@
 //! One tree alone.
 
 use super::environment::Environment;
-use super::forest::{Forest, GrowthError};
+use super::forest::{Forest, ForestError};
 use super::habit::Habit;
 use super::shadow::ShadowPropagation;
 use super::tree::Tree;
@@ -23,7 +23,7 @@ use glam::Vec3;
 /// assert!(Metrics::of(&skeleton).height > 0.3);
 /// // Each node knows the season in which it appeared.
 /// assert_eq!(skeleton.stages().iter().max(), Some(&12));
-/// # Ok::<(), treesynth::self_organizing::GrowthError>(())
+/// # Ok::<(), treesynth::self_organizing::ForestError>(())
 /// ```
 #[derive(Debug, Clone)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
@@ -66,7 +66,7 @@ impl<E: Environment> SelfOrganizing<E> {
     ///
     /// # Errors
     /// Options out of range, no room at the origin, and the limit. The tree is then as it was.
-    pub fn step(&mut self) -> Result<(), GrowthError> {
+    pub fn step(&mut self) -> Result<(), ForestError> {
         self.grow(1)
     }
 
@@ -74,15 +74,15 @@ impl<E: Environment> SelfOrganizing<E> {
     ///
     /// # Errors
     /// As [`step`](Self::step); seasons finished before the error are kept.
-    pub fn grow(&mut self, seasons: u32) -> Result<(), GrowthError> {
+    pub fn grow(&mut self, seasons: u32) -> Result<(), ForestError> {
         self.grow_observed(seasons, &Silent)
     }
 
     /// As [`grow`](Self::grow), telling `observer` how far it is and stopping when told to.
     ///
     /// # Errors
-    /// As `grow`, and [`GrowthError::Cancelled`].
-    pub fn grow_observed(&mut self, seasons: u32, observer: &dyn Observer) -> Result<(), GrowthError> {
+    /// As `grow`, and [`ForestError::Cancelled`].
+    pub fn grow_observed(&mut self, seasons: u32, observer: &dyn Observer) -> Result<(), ForestError> {
         if self.forest.season() == 0 && self.forest.trees().is_empty() {
             self.forest.plant(Vec3::ZERO)?;
         }
@@ -93,7 +93,7 @@ impl<E: Environment> SelfOrganizing<E> {
     ///
     /// # Errors
     /// As [`grow`](Self::grow).
-    pub fn ahead(&self, seasons: u32) -> Result<Self, GrowthError>
+    pub fn ahead(&self, seasons: u32) -> Result<Self, ForestError>
     where
         E: Clone,
     {
@@ -120,7 +120,7 @@ impl<E: Environment> SelfOrganizing<E> {
     ///
     /// # Errors
     /// Radii beyond `f32`.
-    pub fn skeleton(&self) -> Result<Skeleton, GrowthError> {
+    pub fn skeleton(&self) -> Result<Skeleton, ForestError> {
         match self.tree() {
             Some(tree) => self.forest.skeleton(tree),
             None => Ok(Skeleton::new(vec![Vec3::ZERO], vec![None])?),

@@ -160,18 +160,18 @@ impl Tree {
         self.nodes.iter().map(|node| node.count)
     }
 
-    /// Whether the metamer below each node bears leaves, by the text's rule: it begins at least `least_order` nodes
+    /// Whether the metamer below each node bears leaves, by the text's rule: it begins at least `least_hops` nodes
     /// from the foot, and no branch that goes on from there carries `most_children` buds or more. The foot bears none.
-    pub fn leafy(&self, most_children: u32, least_order: u32) -> Vec<bool> {
-        let (mut order, mut dominant) = (vec![0; self.nodes.len()], vec![0; self.nodes.len()]);
+    pub fn leafy(&self, most_children: u32, least_hops: u32) -> Vec<bool> {
+        let (mut hops, mut dominant) = (vec![0; self.nodes.len()], vec![0; self.nodes.len()]);
         for (node, data) in self.nodes.iter().enumerate().skip(1) {
             let parent = data.parent as usize;
-            order[node] = order[parent] + 1;
+            hops[node] = hops[parent] + 1;
             dominant[parent] = data.count.max(dominant[parent]);
         }
         let bears = |node: &Node| {
             let parent = node.parent as usize;
-            order[parent] >= least_order && dominant[parent] < most_children
+            hops[parent] >= least_hops && dominant[parent] < most_children
         };
         let above = self.nodes.iter().skip(1).map(bears);
         std::iter::once(false).chain(above).collect()

@@ -36,6 +36,11 @@ impl Material {
         Self { color: [0.093, 0.205, 0.032], roughness: 0.6, double_sided: true }
     }
 
+    /// White bark, for meshes with colours of their own ([`Mesh::colors`](super::Mesh::colors)), which materials are multiplied by.
+    pub const fn white() -> Self {
+        Self { color: [1.0; 3], ..Self::bark() }
+    }
+
     /// The part of the light that is reflected: linear (not sRGB) red, green, blue, each 0 to 1.
     pub const fn with_color(mut self, linear: [f32; 3]) -> Self {
         self.color = linear;

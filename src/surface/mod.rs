@@ -50,14 +50,14 @@ pub enum SurfaceError {
     #[error(transparent)]
     Parameter(#[from] ParameterError),
     /// Every radius is zero: no radius model has been applied yet.
-    #[error("all {nodes} nodes have the radius zero; set radii before making a surface")]
+    #[error("all {nodes} nodes have the radius zero; give them some, e.g. by radius::PipeModel")]
     NoRadii {
         /// The number of nodes.
         nodes: usize,
     },
     /// The closed surface needs more blocks of voxels than were allowed.
     #[error(
-        "more than {most} blocks would be needed at a finest voxel of {voxel} m; use a larger one or allow more"
+        "more than {most} blocks would be needed at a finest voxel of {voxel} m; use a larger one (with_voxel) or allow more (with_most_blocks)"
     )]
     TooManyBlocks {
         /// The side of the finest voxels, metres.

@@ -14,7 +14,8 @@ use proptest::test_runner::TestCaseError;
 use proptest::{prop_assert, prop_assert_eq};
 use std::sync::Arc;
 
-type Held = Result<(), TestCaseError>;
+/// What is held, or the failure that proptest shrinks.
+pub type Held = Result<(), TestCaseError>;
 
 fn failed(error: &impl std::fmt::Display) -> TestCaseError {
     TestCaseError::fail(error.to_string())

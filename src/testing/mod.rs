@@ -1,4 +1,4 @@
-//! proptest strategies, and one call per trait that holds an implementation to its contract.
+//! proptest strategies, and one call for each trait of the pipeline that holds an implementation to its contract.
 //!
 //! Behind the feature `testing`, for dev-dependencies. A custom rule is property-tested in three lines (and a
 //! `#[test]` before them):
@@ -9,7 +9,7 @@
 //! # impl GuidingRule for Wind {
 //! #     fn guide(&self, step: &Step<'_>) -> Vec3 { step.vector + Vec3::X * 0.1 }
 //! # }
-//! use proptest::prelude::*;
+//! use treesynth::testing::proptest::prelude::*;
 //!
 //! proptest! {
 //!     # #![proptest_config(ProptestConfig::with_cases(4))]
@@ -24,13 +24,15 @@
 //! [`hold_builder`], [`hold_rule`], [`hold_weight`], [`hold_endpoints`], [`hold_radius`], [`hold_shape`],
 //! [`hold_field`], and [`hold_synth`], [`hold_growth`] and [`hold_skeleton`] for what comes out.
 
+pub use proptest;
+
 mod hold;
 mod options;
 mod strategies;
 
 pub use hold::{
-    hold_builder, hold_endpoints, hold_field, hold_growth, hold_radius, hold_rule, hold_shape, hold_skeleton,
-    hold_synth, hold_weight,
+    Held, hold_builder, hold_endpoints, hold_field, hold_growth, hold_radius, hold_rule, hold_shape,
+    hold_skeleton, hold_synth, hold_weight,
 };
 pub use options::{Options, RuleOption, StageOptions, WeightOption, options};
 pub use strategies::{Region, graphs, regions, skeletons};

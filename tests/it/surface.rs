@@ -19,7 +19,7 @@ fn coverage(level: &Level, frame: Bounds) -> f64 {
         .with_size(240, 240)
         .with_ground(false)
         .with_bark(Material::default().with_color([0.0; 3]));
-    let camera = Camera::default().framing(frame);
+    let camera = Camera::default().with_frame(frame);
     let picture =
         preview.with_background([1.0; 3], [1.0; 3]).with_camera(camera).draw(&level.mesh).expect("a picture");
     let pixels = picture.pixels();

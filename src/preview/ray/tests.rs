@@ -18,7 +18,7 @@ const RING: Shape = Shape::Torus(Vec3::ZERO, 1.2, 0.3);
 const STICK: Shape = Shape::Capsule(Vec3::new(-1.0, -0.5, 0.2), Vec3::new(0.9, 1.1, -0.4), 0.2);
 
 fn view() -> View {
-    Camera::default().framing(BOX).view(std::iter::empty(), 300.0, 300.0)
+    Camera::default().with_frame(BOX).view(std::iter::empty(), 300.0, 300.0)
 }
 
 fn ray(origin: Vec3, to: Vec3) -> Ray {
@@ -154,7 +154,7 @@ fn plain(size: u32) -> Preview {
         .with_size(size, size)
         .with_background(white, white)
         .with_ground(false)
-        .with_camera(camera.framing(BOX))
+        .with_camera(camera.with_frame(BOX))
 }
 
 #[test]
@@ -318,7 +318,7 @@ proptest! {
         let mut camera =
             Camera::default().with_azimuth(azimuth).with_elevation(elevation).with_projection(projection);
         if let Some(half) = frame {
-            camera = camera.framing(Bounds::around(Vec3::ZERO, Vec3::splat(half * scale)));
+            camera = camera.with_frame(Bounds::around(Vec3::ZERO, Vec3::splat(half * scale)));
         }
         let preview = Preview::default()
             .with_size(size.0, size.1)

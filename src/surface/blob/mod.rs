@@ -5,6 +5,8 @@
 //! [`Operator`]s: sums, super-elliptic blends, CSG, affine warps, precise [`Contact`], and [`Bounded`] blends of any two of
 //! them. The [`BlobTree`] that comes out has a value, a gradient and a colour at every point.
 //!
+//! Field functions and operators are those here; there is no trait for your own.
+//!
 //! | | F |
 //! |---|---|
 //! | within the reach of nothing | 0 |

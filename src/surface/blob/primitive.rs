@@ -49,7 +49,8 @@ impl Primitive {
         self
     }
 
-    /// As a bounding field: the paper's ((1 - r)²)³, r the distance over the radius, times a strength of 0 to 1.
+    /// As a bounding field: the paper's ((1 - r)²)³ ([`FieldFunction::Steep`]), r the distance over the radius, times a strength
+    /// of 0 to 1. [`FieldFunction::Bounding`] is smoother.
     pub fn bounding(self, strength: f32) -> Self {
         self.with_field(FieldFunction::Steep { inner: 0.0 }).with_strength(strength)
     }

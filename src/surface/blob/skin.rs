@@ -71,7 +71,7 @@ impl Default for Skin {
 
 impl Skin {
     /// The age of the tree in years, 0 to 100,000; default the last stage and one. A junction is as old as the tree less the
-    /// stage of its younger shoot, or 0.
+    /// stage of its younger shoot, or 0. Trees of [`growth`](crate::growth) count their years from 1: pass their age and one.
     pub fn with_age(mut self, years: f32) -> Self {
         self.age = Some(years);
         self

@@ -51,8 +51,9 @@ impl Polygonizer {
         self
     }
 
-    /// Whether [`Mesh::colors`] are filled, which are absolute: draw them with a white [`Material`](crate::surface::Material).
-    /// Default true.
+    /// Whether [`Mesh::colors`] are filled, which are absolute: draw and write them with
+    /// [`Material::white`](crate::surface::Material::white), as by
+    /// [`GlbOptions::with_material`](crate::export::GlbOptions::with_material). Default true.
     pub fn with_colors(mut self, colors: bool) -> Self {
         self.colors = colors;
         self

@@ -113,7 +113,7 @@ fn species_name_what_is_out_of_range() {
             ("Species.least_scale", species().with_least_scale(1.1)),
             ("Species.most_order is 17", species().with_most_order(17)),
             ("Species.divergence", species().with_divergence(7.0)),
-            ("Species.slenderness", species().with_slenderness(-0.1)),
+            ("Species.stoutness", species().with_stoutness(-0.1)),
             ("Species.twig_radius", species().with_twig_radius(0.0)),
             ("Species.variation", species().with_variation(nan)),
             ("Species.scale_variation", species().with_scale_variation(1.0)),

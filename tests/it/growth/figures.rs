@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 use treesynth::glam::Vec3;
-use treesynth::growth::{Growth, Stand};
+use treesynth::growth::{Growth, TreeAtAge};
 use treesynth::metrics::Metrics;
 use treesynth::presets::{self, Grown};
 
@@ -39,7 +39,7 @@ impl Limb {
 }
 
 /// The first-order branches by the numbers of their first nodes.
-fn limbs(stand: &Stand) -> BTreeMap<u32, Limb> {
+fn limbs(stand: &TreeAtAge) -> BTreeMap<u32, Limb> {
     let skeleton = &stand.skeleton;
     let branches = skeleton.branches();
     let limbs = branches.iter().filter(|branch| branch.order() == 1).map(|branch| {
@@ -50,7 +50,7 @@ fn limbs(stand: &Stand) -> BTreeMap<u32, Limb> {
     limbs.collect()
 }
 
-fn height(stand: &Stand) -> f32 {
+fn height(stand: &TreeAtAge) -> f32 {
     stand.skeleton.positions().iter().map(|p| p.y).fold(0.0, f32::max)
 }
 
@@ -141,12 +141,12 @@ fn figure_11_loss() {
 fn figure_12_a_shoot_unfolds() {
     let preset = preset("growth-12-shoot");
     let growth = growth("growth-12-shoot");
-    let stands: Vec<Stand> = preset.ages.iter().map(|&age| growth.at(age).expect("a shoot")).collect();
+    let stands: Vec<TreeAtAge> = preset.ages.iter().map(|&age| growth.at(age).expect("a shoot")).collect();
     for pair in stands.windows(2) {
         assert!(height(&pair[0]) < height(&pair[1]) && pair[0].skeleton.len() <= pair[1].skeleton.len());
         assert!(pair[0].leaves.len() <= pair[1].leaves.len());
     }
-    let internode = |stand: &Stand, node: usize| {
+    let internode = |stand: &TreeAtAge, node: usize| {
         stand.skeleton.positions()[node].distance(stand.skeleton.positions()[node - 1])
     };
     // Half way the lowest internode is done, while the highest that there is has just begun.
@@ -168,17 +168,17 @@ fn figure_12_a_shoot_unfolds() {
 fn figure_13_foliage_over_the_year() {
     let preset = preset("growth-13-foliage");
     let growth = growth("growth-13-foliage");
-    let stands: Vec<Stand> = preset.ages.iter().map(|&age| growth.at(age).expect("a tree")).collect();
+    let stands: Vec<TreeAtAge> = preset.ages.iter().map(|&age| growth.at(age).expect("a tree")).collect();
     let counts: Vec<usize> = stands.iter().map(|stand| stand.leaves.len()).collect();
     assert_eq!((counts[0], counts[7]), (0, 0));
     assert!(counts[1] < counts[3] && counts[6] * 2 < counts[3] && counts[6] > 0, "{counts:?}");
-    let mean = |stand: &Stand, of: fn(&treesynth::growth::Leaf) -> f32| {
+    let mean = |stand: &TreeAtAge, of: fn(&treesynth::growth::Leaf) -> f32| {
         stand.leaves.iter().map(of).sum::<f32>() / stand.leaves.len() as f32
     };
-    let size = |stand: &Stand| mean(stand, |leaf| leaf.length);
+    let size = |stand: &TreeAtAge| mean(stand, |leaf| leaf.length);
     assert!(size(&stands[1]) < 0.5 * size(&stands[3]), "{} {}", size(&stands[1]), size(&stands[3]));
     // Green outweighs red until autumn turns it round; summer is darker than spring.
-    let redness = |stand: &Stand| mean(stand, |leaf| leaf.color[0] / leaf.color[1]);
+    let redness = |stand: &TreeAtAge| mean(stand, |leaf| leaf.color[0] / leaf.color[1]);
     assert!(
         redness(&stands[3]) < 0.6 && redness(&stands[5]) > 1.2,
         "{} {}",
@@ -193,12 +193,12 @@ fn figure_13_foliage_over_the_year() {
 #[test]
 fn figure_15_cottonwood() {
     let growth = growth("growth-15-cottonwood");
-    let slenderness = [2.0, 5.0, 10.0, 18.0, 27.0].map(|age| {
+    let stoutness = [2.0, 5.0, 10.0, 18.0, 27.0].map(|age| {
         let metrics = Metrics::of(&growth.at(age).expect("a tree").skeleton);
         metrics.crown_width / metrics.height
     });
-    assert!(slenderness[0] < 0.15 && slenderness[1] < 0.25 && slenderness[2] < 0.35, "{slenderness:?}");
-    assert!(slenderness[3] > 0.35 && slenderness[4] > 0.5 && slenderness[4] < 0.9, "{slenderness:?}");
+    assert!(stoutness[0] < 0.15 && stoutness[1] < 0.25 && stoutness[2] < 0.35, "{stoutness:?}");
+    assert!(stoutness[3] > 0.35 && stoutness[4] > 0.5 && stoutness[4] < 0.9, "{stoutness:?}");
 
     let old = growth.at(27.0).expect("a tree");
     assert!(old.skeleton.segments() > 150_000, "{} internodes", old.skeleton.segments());

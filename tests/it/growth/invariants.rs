@@ -6,7 +6,7 @@ use std::collections::BTreeMap;
 use std::fmt::Write as _;
 use std::sync::LazyLock;
 use treesynth::glam::Vec3;
-use treesynth::growth::{Curve, Growth, Species, Stand};
+use treesynth::growth::{Curve, Growth, Species, TreeAtAge};
 use treesynth::presets;
 
 /// Five species at full size are slow to grow for each of many cases, so they grow once.
@@ -23,12 +23,12 @@ static TREES: LazyLock<Vec<Growth>> = LazyLock::new(|| {
 });
 
 /// The places of nodes by their numbers.
-fn places(stand: &Stand) -> BTreeMap<u32, Vec3> {
+fn places(stand: &TreeAtAge) -> BTreeMap<u32, Vec3> {
     stand.ids.iter().copied().zip(stand.skeleton.positions().iter().copied()).collect()
 }
 
 /// The length of each branch, by the number of its first node.
-fn lengths(stand: &Stand) -> BTreeMap<u32, f32> {
+fn lengths(stand: &TreeAtAge) -> BTreeMap<u32, f32> {
     let positions = stand.skeleton.positions();
     let branches = stand.skeleton.branches();
     let length = |nodes: &[u32]| -> f32 {
@@ -37,7 +37,7 @@ fn lengths(stand: &Stand) -> BTreeMap<u32, f32> {
     branches.iter().map(|branch| (stand.ids[branch.nodes()[1] as usize], length(branch.nodes()))).collect()
 }
 
-fn hash(stand: &Stand) -> u64 {
+fn hash(stand: &TreeAtAge) -> u64 {
     let skeleton = &stand.skeleton;
     let floats = skeleton.positions().iter().flat_map(Vec3::to_array).chain(skeleton.radii().iter().copied());
     let leaves = stand.leaves.iter().flat_map(|leaf| {
@@ -138,7 +138,7 @@ proptest! {
         ages.sort_by(f32::total_cmp);
         let [first, second, third] =
             [0, 1, 2].map(|i| growth.at(ages[i] * f32::from(growth.years())).expect("a tree"));
-        let facts = |stand: &Stand| -> BTreeMap<u32, Facts> {
+        let facts = |stand: &TreeAtAge| -> BTreeMap<u32, Facts> {
             let skeleton = &stand.skeleton;
             let fact = |node: usize| {
                 let parent = skeleton.parent(node).map(|parent| stand.ids[parent]);

@@ -7,7 +7,7 @@ use std::ops::ControlFlow;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use treesynth::glam::Vec3;
 use treesynth::self_organizing::{
-    Bud, Environment, Forest, GrowthError, Habit, Offspring, Phyllotaxis, SelfOrganizing, ShadowPropagation,
+    Bud, Environment, Forest, ForestError, Habit, Offspring, Phyllotaxis, SelfOrganizing, ShadowPropagation,
     Shedding, SpaceColonization, Tree, VigorModel, Width,
 };
 use treesynth::shape::{Cuboid, Sphere};
@@ -113,14 +113,14 @@ fn parameters_may_change_between_seasons() {
     stopped.grow(3).unwrap();
     assert_eq!(stopped.metamers(), tree.metamers());
     *tree.habit_mut() = Habit::default().with_length(f32::NAN);
-    assert!(matches!(tree.step(), Err(GrowthError::Parameter(error)) if error.parameter == "Habit.length"));
+    assert!(matches!(tree.step(), Err(ForestError::Parameter(error)) if error.parameter == "Habit.length"));
 }
 
 #[test]
 fn growth_stops_at_the_limit_and_keeps_what_it_has() {
     let mut forest = stand(5).with_most_metamers(3000);
     let error = forest.grow(30).expect_err("there is a limit");
-    assert!(matches!(error, GrowthError::Limit { limit: 3000, metamers: 3001.., .. }), "{error}");
+    assert!(matches!(error, ForestError::Limit { limit: 3000, metamers: 3001.., .. }), "{error}");
     let kept = forest.metamers();
     assert!((1000..=3000).contains(&kept));
     assert!(forest.skeletons().is_ok());
@@ -149,7 +149,7 @@ fn an_observer_hears_of_each_season_and_may_stop_it() {
             _ => ControlFlow::Continue(()),
         };
         let mut forest = stand(6);
-        assert_eq!(forest.grow_observed(6, &watch), Err(GrowthError::Cancelled));
+        assert_eq!(forest.grow_observed(6, &watch), Err(ForestError::Cancelled));
         // A season broken off between two turns is finished first.
         while u32::from(forest.season()) < 6 {
             forest.grow_observed(1, &Silent).unwrap();
@@ -177,7 +177,7 @@ fn a_shoot_of_a_million_metamers() {
     tree.step().unwrap();
     assert_eq!(tree.metamers(), 1_000_000);
     assert_eq!(tree.skeleton().unwrap().hops()[1_000_000], 1_000_000);
-    assert!(matches!(tree.step(), Err(GrowthError::Limit { .. })));
+    assert!(matches!(tree.step(), Err(ForestError::Limit { .. })));
     *tree.habit_mut() = Habit::default().with_vigor_multiplier(1e-6);
     tree.step().unwrap();
     tree.cut(1).unwrap();
@@ -204,7 +204,7 @@ fn lies_of_an_environment_do_no_harm() {
         assert_eq!(tree.metamers(), 0);
     }
     let mut tree = SelfOrganizing::new(Liar(1e30), Habit::default(), 1);
-    assert!(matches!(tree.step(), Err(GrowthError::Limit { .. })));
+    assert!(matches!(tree.step(), Err(ForestError::Limit { .. })));
 }
 
 proptest! {
@@ -348,7 +348,7 @@ fn bad_input_is_named() {
     let named = |environment: ShadowPropagation, habit: Habit, parameter: &str| {
         let mut tree = SelfOrganizing::new(environment, habit, 1);
         match tree.step() {
-            Err(GrowthError::Parameter(error)) => {
+            Err(ForestError::Parameter(error)) => {
                 assert_eq!(error.parameter, parameter);
                 assert!(error.to_string().contains(", but must be "), "{error}");
             }
@@ -395,12 +395,12 @@ fn bad_input_is_named() {
     assert!(SpaceColonization::in_shape(&Sphere::new(Vec3::ZERO, 1.0), usize::MAX, 1).is_err());
     let mut walled =
         SelfOrganizing::new(light(), Habit::default(), 1).with_obstacle(Sphere::new(Vec3::ZERO, 1.0));
-    assert!(matches!(walled.step(), Err(GrowthError::Parameter(error)) if error.parameter == "foot"));
+    assert!(matches!(walled.step(), Err(ForestError::Parameter(error)) if error.parameter == "foot"));
     assert!(Forest::new(light(), Habit::default(), 1).plant_as(Vec3::ZERO, 1).is_err());
     assert!(Forest::new(light(), Habit::default(), 1).with_most_trees(0).plant(Vec3::ZERO).is_err());
     assert!(Forest::new(light(), Habit::default(), 1).cut(0, 1).is_err());
     for parts in [0, 65, u32::MAX] {
         let error = SelfOrganizing::new(light(), Habit::default(), 1).with_parts(parts).step();
-        assert!(matches!(error, Err(GrowthError::Parameter(error)) if error.parameter == "Forest.parts"));
+        assert!(matches!(error, Err(ForestError::Parameter(error)) if error.parameter == "Forest.parts"));
     }
 }
