@@ -13,7 +13,7 @@ use std::path::Path;
 use treesynth::export::gltf::{GlbOptions, write_glb_parts};
 use treesynth::foliage::{Leaf, Leaves};
 use treesynth::growth::{Growth, TreeAtAge};
-use treesynth::presets::{self, Grown};
+use treesynth::presets::Grown;
 use treesynth::preview::{Camera, Picture, Preview, RayCaster};
 use treesynth::surface::{Mesh, Part, Tubes};
 use treesynth::{Bounds, Silent};
@@ -32,9 +32,9 @@ fn main() {
 }
 
 fn run(options: &Options) -> Result<(), Failure> {
-    let preset = presets::grown()
+    let preset = options::species()
         .find(|preset| preset.name == options.species)
-        .or_else(|| presets::grown().find(|preset| preset.name.ends_with(&options.species)))
+        .or_else(|| options::species().find(|preset| preset.name.ends_with(&options.species)))
         .ok_or_else(|| format!("--species is {:?}, but must be one of --list", options.species))?;
     let folder = options.out.join(preset.name);
     fs::create_dir_all(&folder).map_err(|error| format!("--out {}: {error}", options.out.display()))?;
@@ -61,18 +61,21 @@ fn run(options: &Options) -> Result<(), Failure> {
     // All pictures are framed as the oldest tree is, so that it is the tree that grows and not the picture.
     let size = options.size;
     let width = (size * 3 / 4).max(1);
-    let oldest = Look::at(preset, &growth, f32::from(growth.years()) - 0.4, 4)?;
-    let camera = Camera::default().with_frame(oldest.bounds().ok_or("nothing has sprouted yet")?);
-    let preview = Preview::default().with_camera(camera).with_size(width, size).with_ground_height(0.0);
-    let draw = |age: f32| -> Result<Picture, Failure> {
+    let framed = |oldest: f32| -> Result<Preview, Failure> {
+        let oldest = Look::at(preset, &growth, oldest, 4)?;
+        let camera = Camera::default().with_frame(oldest.bounds().ok_or("nothing has sprouted yet")?);
+        Ok(Preview::default().with_camera(camera).with_size(width, size).with_ground_height(0.0))
+    };
+    let draw = |preview: &Preview, age: f32| -> Result<Picture, Failure> {
         let look = Look::at(preset, &growth, age, 5)?;
-        let mut picture = look.draw(preset, &preview, options.skin)?;
+        let mut picture = look.draw(preset, preview, options.skin)?;
         picture.label(&format!("{age:.1} years"), 8, 8, 1 + size / 400, [70, 70, 70]);
         Ok(picture)
     };
 
     let ages = preset.ages.iter().filter(|&&age| age <= f32::from(growth.years()));
-    let sheet: Vec<Picture> = ages.map(|&age| draw(age)).collect::<Result<_, _>>()?;
+    let preview = framed(last.min(f32::from(growth.years())))?;
+    let sheet: Vec<Picture> = ages.map(|&age| draw(&preview, age)).collect::<Result<_, _>>()?;
     let columns = sheet.len() as u32;
     write(
         &file("-sheet.png"),
@@ -82,12 +85,13 @@ fn run(options: &Options) -> Result<(), Failure> {
     let count = options.frames.unwrap_or_else(|| u32::from(growth.years()).max(2));
     let bar = ProgressBar::new(u64::from(count));
     bar.set_style(ProgressStyle::with_template("{msg:>24} [{bar:40}] {percent:>3}% {elapsed_precise}")?);
+    let preview = framed(f32::from(growth.years()) - 0.4)?;
     let mut frames = Vec::new();
     for frame in 0..count {
         // From the first summer to the last; with one frame a year it is always summer.
         let age = 0.6 + (f32::from(growth.years()) - 1.0) * frame as f32 / (count - 1) as f32;
         bar.set_message(format!("{age:.2} years"));
-        let picture = draw(age)?;
+        let picture = draw(&preview, age)?;
         write(&folder.join(format!("{frame:04}.png")), |writer| Ok(picture.write_png(writer)?))?;
         frames.push(picture);
         bar.inc(1);

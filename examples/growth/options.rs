@@ -2,7 +2,7 @@
 
 use lexopt::prelude::{Long, Short, ValueExt};
 use std::path::PathBuf;
-use treesynth::presets;
+use treesynth::presets::{self, Grown};
 
 const HELP: &str = "\
 Grows a tree over the years and writes an animation (NAME.apng) with its frames (NAME/*.png), a contact sheet of several
@@ -14,8 +14,8 @@ cargo run --release --example growth -- [OPTIONS]
   --list          the presets, one a line, and nothing else
   --age YEARS     of the model, e.g. 12.5                      [the last of the preset's ages]
   --seed N        the seed                                     [the preset's]
-  --frames N      pictures of the animation, 2 to 10,000       [one a year]
-  --size N        height of the animation's pictures, pixels   [640]
+  --frames N      pictures of the animation, 2 to 1000       [one a year]
+  --size N        height of the animation's pictures, 16 to 8192 pixels [640]
   --skin          pictures of a blended skin with scars and ridges, cast ray by ray, and of a fork of the trunk as it ages
                   (NAME-close.png)                             [tubes]
   --out DIR       where files go; made if it is not there      [out]
@@ -55,7 +55,7 @@ impl Options {
                 Long("skin") => options.skin = true,
                 Long("out") => options.out = arguments.value()?.into(),
                 Long("list") => {
-                    for preset in presets::grown() {
+                    for preset in species() {
                         println!("{:22} {}", preset.name, preset.caption);
                     }
                     return Ok(None);
@@ -68,9 +68,17 @@ impl Options {
             }
         }
         let frames = options.frames.unwrap_or(2);
-        if !(2..=10_000).contains(&frames) {
-            return Err(format!("--frames is {frames}, but must be 2 to 10000").into());
+        if !(2..=1000).contains(&frames) {
+            return Err(format!("--frames is {frames}, but must be 2 to 1000").into());
+        }
+        if !(16..=8192).contains(&options.size) {
+            return Err(format!("--size is {}, but must be 16 to 8192 pixels", options.size).into());
         }
         Ok(Some(options))
     }
+}
+
+/// All but the figures' drawings in the plane, which the example `gallery` draws.
+pub(crate) fn species() -> impl Iterator<Item = &'static Grown> {
+    presets::grown().filter(|preset| !preset.planar)
 }

@@ -85,7 +85,8 @@ impl Curve {
     /// A Bézier curve of cubics joined at every third control point, as drawing programs have them: 4, 7, 10, ...
     /// points, places in ascending order, so that there is one value at each place.
     ///
-    /// Each cubic becomes 16 pieces of a monotone one, which is within some thousandth of its rise.
+    /// Each cubic becomes 16 pieces of a monotone one, which is within some thousandth of its rise, or where the cubic
+    /// stands nearly upright within a fifteenth.
     ///
     /// # Errors
     /// Another number of points; places that descend; and as of [`new`](Self::new).

@@ -105,6 +105,8 @@ struct Layout<'a> {
     age: f32,
     /// The year at hand, from 1; 0 for a seed.
     year: u16,
+    /// Which part of it is over, 0 to 1.
+    time: f32,
     /// How far its season is, 0 to 1.
     progress: f32,
     /// By the number of metamers.
@@ -122,7 +124,6 @@ struct Layout<'a> {
     buds: Vec<Bud>,
     colors: [[f32; 3]; TONES as usize],
     leaf_share: f32,
-    bud_growth: f32,
 }
 
 impl<'a> Layout<'a> {
@@ -131,17 +132,16 @@ impl<'a> Layout<'a> {
         let phenology = &species.phenology;
         let year = age.ceil() as u16;
         let time = age - (f32::from(year) - 1.0);
-        let [start, _] = phenology.season;
         let colors = std::array::from_fn(|tone| {
             let shifted = time + (tone as f32 - 0.5 * (TONES - 1) as f32) * TONE_STEP;
             [0, 1, 2].map(|channel: usize| phenology.leaf_colors[channel].at(shifted))
         });
-        let since = ((time - start) / (1.0 - start)).clamp(0.0, 1.0);
         Self {
             growth,
             species,
             age,
             year,
+            time,
             progress: phenology.progress(time),
             unfolded: Vec::new(),
             bases: Vec::new(),
@@ -155,8 +155,7 @@ impl<'a> Layout<'a> {
             leaves: Vec::new(),
             buds: Vec::new(),
             colors,
-            leaf_share: phenology.leaf_share.at(time),
-            bud_growth: phenology.bud_growth.at(since),
+            leaf_share: phenology.least_share(time),
         }
     }
 
@@ -214,7 +213,7 @@ impl<'a> Layout<'a> {
                     } else {
                         from + (shoot.length - from) * sums.sums[k as usize]
                     };
-                    if along <= at.along {
+                    if i == last && along <= at.along {
                         // Not yet unfolded, nor are those above it.
                         break;
                     }
@@ -297,8 +296,8 @@ impl<'a> Layout<'a> {
         let id = u64::from(self.ids[at.node as usize]);
         let draw = |draw: Draw| unit(self.growth.seed, draw as u32, Purpose::GROWTH, id);
         let bud = match winters {
-            0 => self.bud_growth,
-            1 if !started => 1.0,
+            0 => phenology.bud(self.time, number, of),
+            1 if !started => phenology.bud_growth.at(1.0),
             _ => 0.0,
         } * phenology.bud_size;
         if bud > 0.0 {
@@ -328,14 +327,15 @@ impl<'a> Layout<'a> {
 
     fn apical_bud(&mut self, at: Foot, direction: Vec3, last: usize) {
         let started = self.progress > 0.0;
+        let phenology = &self.species.phenology;
         let growth = if started {
-            self.bud_growth
+            phenology.bud(self.time, 1, 1)
         } else if last > 0 {
-            1.0
+            phenology.bud_growth.at(1.0)
         } else {
             0.0
         };
-        let length = growth * 1.5 * self.species.phenology.bud_size;
+        let length = growth * 1.5 * phenology.bud_size;
         if length > 0.0 {
             self.buds.push(Bud { node: at.node, position: at.position, direction, length });
         }

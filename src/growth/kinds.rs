@@ -129,7 +129,7 @@ impl Species {
                 leaf_colors: colors([(0.0, [46, 72, 44]), (0.4, [58, 92, 48]), (0.7, [46, 74, 44])]),
                 leaf_angle: 12.0f32.to_radians(),
                 leaf_size: Curve::of([[0.0, 0.13], [1.0, 0.16]]),
-                leaf_share: Curve::constant_of(1.0),
+                leaf_share: Curve::of([[0.0, 1.0], [1.0, 0.0]]),
                 ..Phenology::default()
             },
             ..Self::cottonwood()

@@ -42,13 +42,15 @@ pub enum GrowthError {
     Parameter(#[from] ParameterError),
     /// The tree has been worked out up to this year only. All ages before are to be had.
     #[error(
-        "year {year} would bring the tree to {nodes} nodes, those it has lost included, but the limit is {limit}; it can \
+        "year {year} would bring the tree to {nodes} nodes, lost ones included, or as many times eight years of branches, \
+         but the limit is {limit}; it can \
          be had up to the age of {}; Growth::with_most_nodes raises the limit", year - 1
     )]
     Limit {
         /// The first year that is missing.
         year: u16,
-        /// The nodes there would be, at least.
+        /// The nodes there would be, at least; or an eighth of the years that all branches could live, for they take
+        /// memory too.
         nodes: u64,
         /// The most there may be.
         limit: u32,

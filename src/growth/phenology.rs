@@ -44,7 +44,7 @@ impl Phenology {
         self
     }
 
-    /// By which part of the season the last metamer of a shoot starts after the first, 0 to 0.95.
+    /// By which part of the season the metamers of a shoot start one after the other, 0 to 0.95: metamer k of m by k / m of it.
     pub fn with_stagger(mut self, part: f32) -> Self {
         self.stagger = part;
         self
@@ -62,8 +62,7 @@ impl Phenology {
         self
     }
 
-    /// How much of its length an internode has, 0 to 1 and not falling, over its time of development; the last point
-    /// must be 1.
+    /// How much of its length an internode has, over its time of development: 0 at first, not falling, 1 at last.
     pub fn with_internode_growth(mut self, curve: Curve) -> Self {
         self.internode_growth = curve;
         self
@@ -75,8 +74,7 @@ impl Phenology {
         self
     }
 
-    /// How much of its size a bud has, 0 to 1, over the time from the [start of the season](Self::with_season) to the year's
-    /// end.
+    /// How much of its size a bud has, 0 to 1, over the time from the start of its metamer to the year's end.
     pub fn with_bud_growth(mut self, curve: Curve) -> Self {
         self.bud_growth = curve;
         self
@@ -132,15 +130,30 @@ impl Phenology {
             channel.check("Phenology.leaf_colors", 0.0, 1.0)?;
         }
         let rising = self.internode_growth.points().windows(2).all(|pair| pair[0][1] <= pair[1][1]);
-        let end = self.internode_growth.at(1.0);
-        let range = "not falling, and 1 at the end";
-        ParameterError::unless(rising && end >= 1.0, "Phenology.internode_growth", end, range)
+        let ends = [0.0, 1.0].map(|time| self.internode_growth.at(time));
+        let range = "0 at first, not falling, 1 at last";
+        let holds = rising && ends[0] <= 0.0 && ends[1] >= 1.0;
+        ParameterError::unless(holds, "Phenology.internode_growth", ends, range)
+    }
+
+    /// The least part of the leaves that there was in the year so far.
+    pub(super) fn least_share(&self, time: f32) -> f32 {
+        // Between two points curves are monotone.
+        let before = self.leaf_share.points().iter().filter(|point| point[0] <= time);
+        before.map(|point| point[1]).fold(self.leaf_share.at(time), f32::min)
     }
 
     /// How far the season is at this part of the year, 0 to 1.
     pub(super) fn progress(&self, year: f32) -> f32 {
         let [start, end] = self.season;
         ((year - start) / (end - start)).clamp(0.0, 1.0)
+    }
+
+    /// How much of its size the bud of a shoot's metamer `number` of `of` has at this part of the year.
+    pub(super) fn bud(&self, year: f32, number: u32, of: u32) -> f32 {
+        let [start, end] = self.season;
+        let start = start + (end - start) * self.stagger * number as f32 / of as f32;
+        self.bud_growth.at(((year - start) / (1.0 - start)).clamp(0.0, 1.0))
     }
 
     /// The development of a shoot's metamer `number` of `of`, 0 to 1, when the season has come so far.

@@ -128,7 +128,8 @@ impl Species {
     }
 
     /// `G_s1`: how long branches are beside the bearing branch, 0 to 10, over their relative position on it, when the
-    /// tree is young.
+    /// tree is young. What it says is divided by 1.5 for branches of order 1, by 2 for order 2, and so on
+    /// ([equation 12](super::equation::higher_order_length)).
     pub fn with_young_silhouette(mut self, curve: Curve) -> Self {
         self.young_silhouette = curve;
         self
@@ -167,7 +168,8 @@ impl Species {
     }
 
     /// `G_m`: the number of metamers of a shoot, 0 to 1000, rounded and at least 1, over its length beside the longest
-    /// shoot of the trunk.
+    /// shoot of the trunk. It differs by up to two and a third of it where the longest laterals of successive years would
+    /// stand less than 40° apart.
     pub fn with_metamers(mut self, curve: Curve) -> Self {
         self.metamers = curve;
         self

@@ -270,7 +270,8 @@ impl<'a> Builder<'a> {
     }
 
     /// The number of metamers nearest to `wanted` with which both of the longest laterals of the shoot stand at least
-    /// 40° from the longest of the shoot before; `wanted` if there is none near.
+    /// 40° from the longest of the shoot before; `wanted` if there is none near. The longest by `G_ss`, that is; chance
+    /// ([`scale_variation`](Species::with_scale_variation)) may have it otherwise.
     fn turned(&mut self, wanted: u32, before: u32, longest_before: Option<u32>) -> u32 {
         let Some(longest_before) = longest_before else { return wanted };
         // A spiral by the golden angle has one within two; other divergences may have none at all.
@@ -365,6 +366,40 @@ mod tests {
                 let rounding = 1e-6 * pair[1].length;
                 assert!(eq::grows_enough(pair[0].length, pair[1].length + rounding, species.least_shoot));
                 assert!(pair[1].metamers > pair[0].metamers);
+            }
+        }
+    }
+
+    /// Each lateral by hand, from the finished structure.
+    #[test]
+    fn laterals_keep_equations_6_11_12_and_15() {
+        let (species, structure) = cottonwood();
+        let least = 1.0 - species.scale_variation;
+        for axis in &structure.axes[1..] {
+            let parent = &structure.axes[axis.parent as usize];
+            let bearing = structure.shoots_until(parent, 14);
+            let at = usize::from(axis.first_year - 1 - parent.first_year);
+            let (from, below) =
+                if at > 0 { (bearing[at - 1].length, bearing[at - 1].metamers) } else { (0.0, 0) };
+            let place = 0.5 * (from + bearing[at].length);
+            let on_shoot = (axis.bearer - below + 1) as f32 / (bearing[at].metamers - below) as f32;
+            let at_end = place / bearing[bearing.len() - 1].length;
+            let scale = species.shoot_scale.at(on_shoot) * parent.scale * species.branch_scale.at(at_end);
+            assert!((least * scale - 1e-5..=scale + 1e-5).contains(&axis.scale), "{} of {scale}", axis.scale);
+            let [soonest, latest] =
+                [least, 1.0].map(|part| (part * species.lifespan.at(axis.scale)).max(1.0));
+            let lived = axis.lost - f32::from(axis.first_year - 1);
+            assert!(lived <= latest + 1e-4 && (lived >= soonest - 1e-4 || axis.lost >= parent.lost));
+            let mut before = 0.0f32;
+            for (year, shoot) in (axis.first_year..).zip(structure.shoots_until(axis, 14)) {
+                let whole = bearing[usize::from(year - parent.first_year)].length;
+                let (time, now) = (f32::from(year) / 14.0, place / whole);
+                let silhouettes = [&species.young_silhouette, &species.mature_silhouette].map(|g| g.at(now));
+                let wanted = whole * ((1.0 - time) * silhouettes[0] + time * silhouettes[1]);
+                let divided = wanted * axis.scale / (1.0 + 0.5 * f32::from(axis.order));
+                let expected = divided.max(before + species.least_shoot);
+                assert!((shoot.length - expected).abs() <= 1e-5 * expected, "{} {expected}", shoot.length);
+                before = shoot.length;
             }
         }
     }

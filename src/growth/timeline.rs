@@ -124,7 +124,9 @@ impl Timeline {
             });
             let ring = if self.years > begun { (age - begun) / (self.years - begun) } else { 1.0 };
             radii.push(thinnest + (whole.radii()[node] - thinnest) * ring.clamp(0.0, 1.0));
-            stages.push(if node == 0 { 0 } else { begun.floor() as u16 + 1 });
+            // What is born at the very end has no year of its own.
+            let year = begun.min(self.years.ceil() - 1.0).floor() as u16 + 1;
+            stages.push(if node == 0 { 0 } else { year });
         }
         let of = |numbers: &[u16]| standing.iter().map(|&node| numbers[node as usize]).collect();
         let hops = standing.iter().map(|&node| whole.hops()[node as usize]).collect();

@@ -114,9 +114,13 @@ const GROWN: &[Grown] = &[
         losses,
     )
     .planar(),
-    Grown::new("growth-12-shoot", 12, "A shoot unfolds.", &[0.33, 0.38, 0.42, 0.46, 0.5, 0.6], || {
-        Ok(Species::cottonwood().with_most_order(0))
-    }),
+    Grown::new(
+        "growth-12-shoot",
+        12,
+        "The second shoot of a seedling unfolds.",
+        &[1.33, 1.38, 1.42, 1.46, 1.5, 1.6],
+        || Ok(Species::cottonwood().with_most_order(0)),
+    ),
     Grown::new(
         "growth-13-foliage",
         13,

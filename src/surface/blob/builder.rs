@@ -9,6 +9,7 @@ use super::primitive::{Leaf, Primitive, Range};
 use super::scene::{Kind, Scene, Warp};
 use crate::Bounds;
 use glam::Affine3A;
+use std::sync::atomic::{AtomicU32, Ordering};
 
 /// Farther out than this, in metres, products of coordinates leave the range of 32-bit floats.
 const FARTHEST: f32 = 4e9;
@@ -17,7 +18,13 @@ const GROUP: usize = 4;
 
 /// A part of a [`BlobTree`] in the making, to be used once: what takes it, owns it.
 #[derive(Debug)]
-pub struct Node(u32);
+pub struct Node {
+    builder: u32,
+    number: u32,
+}
+
+/// Tells builders apart.
+static BUILDERS: AtomicU32 = AtomicU32::new(0);
 
 /// What a node is before its parts are in order.
 #[derive(Debug, Clone, Copy)]
@@ -52,14 +59,25 @@ pub(super) struct Entry {
 /// assert!(solid.value(Vec3::Y * 0.2) > 0.0 && solid.value(Vec3::X) < 0.0);
 /// # Ok::<(), treesynth::surface::blob::BlobError>(())
 /// ```
-#[derive(Debug, Default)]
+#[derive(Debug)]
 pub struct BlobTreeBuilder {
+    id: u32,
     pub(super) leaves: Vec<Primitive>,
     pub(super) entries: Vec<Entry>,
     pub(super) parts: Vec<u32>,
     pub(super) operators: Vec<Operator>,
     pub(super) styles: Vec<Bounded>,
     pub(super) warps: Vec<Warp>,
+}
+
+impl Default for BlobTreeBuilder {
+    /// Without nodes.
+    fn default() -> Self {
+        let id = BUILDERS.fetch_add(1, Ordering::Relaxed);
+        let (leaves, entries, parts) = (Vec::new(), Vec::new(), Vec::new());
+        let (operators, styles, warps) = (Vec::new(), Vec::new(), Vec::new());
+        Self { id, leaves, entries, parts, operators, styles, warps }
+    }
 }
 
 impl BlobTreeBuilder {
@@ -148,8 +166,8 @@ impl BlobTreeBuilder {
     /// Any operator on parts. Of those whose order is no matter, more than four are grouped by where they are.
     ///
     /// # Errors
-    /// An operator's parameter out of its range; too few parts: none, or one where two are needed; a node that has been used
-    /// or is of another builder.
+    /// An operator's parameter out of its range; too few parts: none, or one where two are needed; a node of another
+    /// builder.
     pub fn combine(
         &mut self,
         operator: Operator,
@@ -170,7 +188,7 @@ impl BlobTreeBuilder {
     ///
     /// # Errors
     /// An operator's parameter out of its range; too few parts for one of them; a bounding field that may exceed 1; a
-    /// node that has been used or is of another builder; a colour out of range.
+    /// node of another builder; a colour out of range.
     pub fn bounded(
         &mut self,
         parts: impl IntoIterator<Item = Node>,
@@ -196,7 +214,7 @@ impl BlobTreeBuilder {
     ///
     /// # Errors
     /// A map that is not finite, or singular: its inverse does not exist, or stretches by more than 100,000 times its least
-    /// stretch; a node that has been used or is of another builder.
+    /// stretch; a node of another builder.
     pub fn warp(&mut self, part: Node, map: Affine3A) -> Result<Node, BlobError> {
         let part = self.take(Operator::Union, [part])?[0];
         let warp = Warp::new(map).ok_or_else(|| BlobError::Singular { map: Box::new(map) })?;
@@ -211,7 +229,7 @@ impl BlobTreeBuilder {
     ///
     /// # Errors
     /// A root whose field is nowhere 1/2, so that there is no surface; warps of warps that are
-    /// [singular](Self::warp) together, or reach beyond four million kilometres; a node that has been used or is of another builder.
+    /// [singular](Self::warp) together, or reach beyond four million kilometres; a node of another builder.
     pub fn finish(mut self, root: Node) -> Result<BlobTree, BlobError> {
         let root = self.take(Operator::Union, [root])?[0];
         let Entry { bounds, most, .. } = self.entries[root as usize];
@@ -229,9 +247,9 @@ impl BlobTreeBuilder {
     /// Marks nodes as used.
     fn take(&mut self, by: Operator, nodes: impl IntoIterator<Item = Node>) -> Result<Vec<u32>, BlobError> {
         let mut numbers = Vec::new();
-        for Node(number) in nodes {
+        for Node { builder, number } in nodes {
             match self.entries.get_mut(number as usize) {
-                Some(entry) if !entry.taken => entry.taken = true,
+                Some(entry) if builder == self.id && !entry.taken => entry.taken = true,
                 _ => return Err(BlobError::Stranger { node: number }),
             }
             numbers.push(number);
@@ -246,6 +264,8 @@ impl BlobTreeBuilder {
     /// Near parts together, halving at the middle of the longest side: then a box holds little.
     fn group(&mut self, operator: u32, parts: &mut [u32]) -> Result<Node, BlobError> {
         if parts.len() <= GROUP {
+            // Halving leaves open in which order they come.
+            parts.sort_unstable();
             return self.push_combined(operator, parts);
         }
         let middle = |part: &u32| self.entries[*part as usize].bounds.center();
@@ -260,14 +280,14 @@ impl BlobTreeBuilder {
         let half = parts.len() / 2;
         parts.select_nth_unstable_by(half, |a, b| middle(a)[axis].total_cmp(&middle(b)[axis]).then(a.cmp(b)));
         let (before, after) = parts.split_at_mut(half);
-        let halves = [self.group(operator, before)?.0, self.group(operator, after)?.0];
+        let halves = [self.group(operator, before)?.number, self.group(operator, after)?.number];
         self.push_combined(operator, &halves)
     }
 
     fn push_combined(&mut self, operator: u32, parts: &[u32]) -> Result<Node, BlobError> {
         if let ([part], true) = (parts, self.operators[operator as usize].ignores_nothing()) {
             self.entries[*part as usize].taken = false;
-            return Ok(Node(*part));
+            return Ok(Node { builder: self.id, number: *part });
         }
         let operator_itself = self.operators[operator as usize];
         let (most, bounds) = (self.most(operator_itself, parts), operator_itself.bounds(&self.boxes(parts)));
@@ -297,7 +317,7 @@ impl BlobTreeBuilder {
             return Err(BlobError::TooLarge { nodes: self.entries.len() });
         }
         self.entries.push(Entry { draft, bounds, most, taken: false });
-        Ok(Node(self.entries.len() as u32 - 1))
+        Ok(Node { builder: self.id, number: self.entries.len() as u32 - 1 })
     }
 }
 

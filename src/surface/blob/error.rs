@@ -20,8 +20,8 @@ pub enum BlobError {
         /// How many it got.
         parts: usize,
     },
-    /// A node of another builder, or one that has been used.
-    #[error("node {node} is none of this builder's, or has been used")]
+    /// A node of another builder.
+    #[error("node {node} is none of this builder's")]
     Stranger {
         /// Its number.
         node: u32,

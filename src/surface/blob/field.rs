@@ -5,7 +5,7 @@ use crate::ParameterError;
 /// The field's value on a surface.
 pub(super) const ISO: f32 = 0.5;
 
-/// Where the polynomial of Wyvill, `McPheeters` and Wyvill 1986 ends, in radii, if it is 1/2 at one: 1/√(1 - ∛½).
+/// Where the polynomial (1 - r²)³, which is often called Wyvill's, ends, in radii, if it is 1/2 at one: 1/√(1 - ∛½).
 const WYVILL_REACH: f32 = 2.201_663_5;
 
 /// A primitive's field as a function of x, the distance from its skeleton over the radius there.

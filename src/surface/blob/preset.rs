@@ -111,6 +111,9 @@ pub fn fork(years: f32) -> Result<Skeleton, SkeletonError> {
     const END: usize = 8;
     const LATERAL: u32 = 7;
     const NODES: usize = 21;
+    if !(years >= 0.0 && years.is_finite()) {
+        return Err(SkeletonError::Radius { node: 0, radius: years });
+    }
     // All thickens year by year; a shoot is a year's ring thinner than the one that bore it.
     let thick = |years: f32| 0.003 + 0.0036 * years;
     let (mut positions, mut parents, mut radii, mut stages) = (vec![], vec![], vec![], vec![]);

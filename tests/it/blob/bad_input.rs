@@ -95,11 +95,14 @@ fn bounding_fields_beyond_one() {
 }
 
 #[test]
-fn nodes_of_others_and_nodes_used_before() {
+fn nodes_of_others() {
     let mut builder = BlobTreeBuilder::default();
     let strangers: Vec<Node> = (0..3).map(|_| ball(&mut builder)).collect();
-    let error = BlobTreeBuilder::default().sum(strangers).expect_err("another builder's");
+    let mut other = BlobTreeBuilder::default();
+    let own: Vec<Node> = (0..3).map(|_| ball(&mut other)).collect();
+    let error = other.sum(strangers).expect_err("another builder's");
     assert!(matches!(error, BlobError::Stranger { node: 0 }), "{error}");
+    other.sum(own).expect("its own");
 }
 
 #[test]

@@ -151,14 +151,15 @@ fn figure_12_a_shoot_unfolds() {
     };
     // Half way the lowest internode is done, while the highest that there is has just begun.
     let half = &stands[3];
-    let done = internode(&stands[5], 1);
-    assert!(internode(half, 1) > 0.99 * done && internode(half, half.skeleton.len() - 1) < 0.3 * done);
+    let below = growth.at(1.0).expect("a shoot").skeleton.len();
+    let done = internode(&stands[5], below);
+    assert!(internode(half, below) > 0.99 * done && internode(half, half.skeleton.len() - 1) < 0.3 * done);
     let (first, last) = (half.leaves[0].length, half.leaves[half.leaves.len() - 1].length);
     assert!(last < 0.5 * first, "{first} {last}");
-    let metamers = growth.at(1.0).expect("a shoot").skeleton.segments();
-    assert_eq!((stands[5].leaves.len(), stands[5].skeleton.segments()), (metamers, metamers));
+    let winter = growth.at(2.0).expect("a shoot");
+    let metamers = winter.skeleton.len() - below;
+    assert_eq!((stands[5].leaves.len(), stands[5].skeleton.len()), (metamers, winter.skeleton.len()));
     // One bud in each axil and one at the tip.
-    let winter = growth.at(1.0).expect("a shoot");
     assert_eq!((winter.leaves.len(), winter.buds.len()), (0, metamers + 1));
     assert!(winter.buds[0].length > 3.0 * stands[3].buds[0].length);
 }

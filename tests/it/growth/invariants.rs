@@ -41,13 +41,16 @@ fn hash(stand: &TreeAtAge) -> u64 {
     let skeleton = &stand.skeleton;
     let floats = skeleton.positions().iter().flat_map(Vec3::to_array).chain(skeleton.radii().iter().copied());
     let leaves = stand.leaves.iter().flat_map(|leaf| {
-        [leaf.position, leaf.midrib, leaf.normal, Vec3::from_array(leaf.color)].map(|v| v.to_array()).concat()
+        let vectors = [leaf.position, leaf.midrib * leaf.length, leaf.normal, Vec3::from_array(leaf.color)];
+        vectors.map(|v| v.to_array()).concat()
     });
     let buds = stand
         .buds
         .iter()
         .flat_map(|bud| [bud.position, bud.direction * bud.length].map(|v| v.to_array()).concat());
-    let numbers = stand.ids.iter().copied().chain(skeleton.orders().iter().map(|&order| u32::from(order)));
+    let bearers = stand.leaves.iter().map(|leaf| leaf.node).chain(stand.buds.iter().map(|bud| bud.node));
+    let orders = skeleton.orders().iter().chain(skeleton.stages()).map(|&order| u32::from(order));
+    let numbers = stand.ids.iter().chain(skeleton.hops()).copied().chain(bearers).chain(orders);
     let parents =
         (0..skeleton.len()).map(|node| skeleton.parent(node).map_or(u32::MAX, |parent| parent as u32));
     let bits = floats.chain(leaves).chain(buds).map(f32::to_bits).chain(numbers).chain(parents);
