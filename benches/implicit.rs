@@ -165,7 +165,11 @@ fn main() {
     let tree = tree.relaxed(0.5, 3).expect("sound options");
     let thinnest = tree.radii().iter().copied().fold(f32::INFINITY, f32::min);
     let surface = Implicit::default().with_voxel(thinnest);
-    let cases = [("a voxel a radius", surface.clone()), ("0.87 voxels a radius", surface.with_detail(0.87))];
+    let cases = [
+        ("a voxel a radius", surface.clone()),
+        ("longer triangles", surface.clone().with_error(0.15)),
+        ("0.87 voxels a radius", surface.with_detail(0.87)),
+    ];
     let mut samples = Samples::default();
     let mut group = measure::group(&mut criterion, "implicit");
     let mut rows = Vec::new();

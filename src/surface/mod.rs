@@ -57,7 +57,8 @@ pub enum SurfaceError {
     },
     /// The closed surface needs more blocks of voxels than were allowed.
     #[error(
-        "more than {most} blocks would be needed at a finest voxel of {voxel} m; use a larger one (with_voxel) or allow more (with_most_blocks)"
+        "the surface needs more than the {most} blocks allowed (most_blocks), each of 4 x 4 x 4 voxels, at a finest \
+         voxel of {voxel} m; allow more, which take about 0.6 GB a million, or use a larger voxel or a smaller detail"
     )]
     TooManyBlocks {
         /// The side of the finest voxels, metres.

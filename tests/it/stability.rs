@@ -188,10 +188,13 @@ fn presets_grow_the_same_trees_as_ever() {
 #[test]
 fn closed_surfaces_do_not_depend_on_the_threads() {
     let tree = presets::by_name("figure-06c").expect("a preset").synth(3000).synthesize(1).expect("a tree");
-    let hash = || {
-        let mesh = Implicit::default().with_voxel(0.01).mesh(&tree).expect("a surface");
-        let indices = mesh.indices.iter().flat_map(|index| index.to_le_bytes());
-        fnv1a(of_positions(&mesh.positions).chain(of_positions(&mesh.normals)).chain(indices))
-    };
-    all_the_same(&at_thread_counts(hash), "the surface");
+    for error in [0.0, 0.1] {
+        let hash = || {
+            let surface = Implicit::default().with_voxel(0.01).with_error(error);
+            let mesh = surface.mesh(&tree).expect("a surface");
+            let indices = mesh.indices.iter().flat_map(|index| index.to_le_bytes());
+            fnv1a(of_positions(&mesh.positions).chain(of_positions(&mesh.normals)).chain(indices))
+        };
+        all_the_same(&at_thread_counts(hash), "the surface");
+    }
 }

@@ -1,14 +1,13 @@
 //! An octree whose leaves hold four voxels in each direction: the sparse blocks along the surface.
 
-use super::solid::{Coverage, Part, Solid};
-use crate::Bounds;
+use super::grow::{Cube, Grid};
+use super::solid::{Part, Solid};
 use crate::parallel;
 use crate::surface::SurfaceError;
 use glam::{IVec3, Vec3};
 
-/// By so many voxels a block's cube is larger on each side: it holds the middles of all voxels that share a face with it and
-/// are not larger, rounding included. It lies within that of a block of twice the size.
-const MARGIN: f32 = 0.53;
+/// Cubes that one thread takes at a time.
+const GROUP: usize = 1024;
 
 /// The directions of a voxel's faces.
 pub(super) const STEPS: [IVec3; 6] = [IVec3::X, IVec3::Y, IVec3::Z, IVec3::NEG_X, IVec3::NEG_Y, IVec3::NEG_Z];
@@ -22,7 +21,6 @@ pub(super) struct Brick {
     pub(super) level: u8,
     /// Bit `x + 4y + 16z` says that the middle of that voxel is inside.
     pub(super) inside: u64,
-    node: u32,
 }
 
 /// What is found at a place of the size of a block.
@@ -38,42 +36,67 @@ pub(super) enum Place {
     Empty(bool),
 }
 
-#[derive(Debug, Clone, Copy)]
-enum Node {
+/// What is at a node.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) enum Node {
     /// The first of eight children.
     Inner(u32),
     Brick(u32),
     Empty(bool),
 }
 
-/// All blocks.
+/// A [`Node`] in four bytes: there are several for each block.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Packed(u32);
+
+impl Packed {
+    /// There are fewer nodes than this.
+    pub(super) const MOST: usize = 1 << 30;
+
+    pub(super) fn node(self) -> Node {
+        match self.0 & 3 {
+            0 => Node::Inner(self.0 >> 2),
+            1 => Node::Brick(self.0 >> 2),
+            kind => Node::Empty(kind == 3),
+        }
+    }
+}
+
+impl From<Node> for Packed {
+    fn from(node: Node) -> Self {
+        Self(match node {
+            Node::Inner(first) => first << 2,
+            Node::Brick(number) => number << 2 | 1,
+            Node::Empty(inside) => 2 | u32::from(inside),
+        })
+    }
+}
+
+/// All blocks, along a curve that fills space: those of one cube of the octree follow each other.
 #[derive(Debug)]
 pub(super) struct Bricks<P> {
-    nodes: Vec<Node>,
+    pub(super) nodes: Vec<Packed>,
     pub(super) leaves: Vec<Brick>,
     /// What counts in each block or within half a voxel of it.
     pub(super) parts: Vec<P>,
-    origin: Vec3,
-    voxel: f32,
+    pub(super) grid: Grid,
     /// The level at which one block would hold everything.
     top: u8,
 }
 
-/// A cube of the octree still to be looked at.
-struct Cube {
-    node: u32,
-    corner: IVec3,
+/// A node of the octree and its level.
+#[derive(Debug, Clone, Copy)]
+struct Found {
+    node: Node,
     level: u8,
-    /// Which part has all that counts here.
-    of: usize,
 }
 
-/// What one look at a cube says.
-enum Look<P> {
-    Empty(bool),
-    /// Smaller voxels are needed.
-    Split(P),
-    Brick(P),
+/// The way from the octree's root to a cube, from which others near it are soon found.
+struct Path {
+    corner: IVec3,
+    level: u8,
+    /// The first child of the cube's ancestor of each level.
+    firsts: [u32; 32],
 }
 
 impl<P: Part> Bricks<P> {
@@ -87,19 +110,20 @@ impl<P: Part> Bricks<P> {
         let top = (0..28).find(|&top| voxel * (4u32 << top) as f32 >= least).unwrap_or(28);
         let origin = bounds.center() - Vec3::splat(voxel * (2u32 << top) as f32);
         let mut all = Self {
-            nodes: vec![Node::Empty(false)],
+            nodes: vec![Node::Empty(false).into()],
             leaves: Vec::new(),
             parts: Vec::new(),
-            origin,
-            voxel,
+            grid: Grid { origin, voxel },
             top,
         };
         if bounds.is_empty() {
             return Ok(all);
         }
         let root = Cube { node: 0, corner: IVec3::ZERO, level: top, of: 0 };
-        let mut parts = Vec::new();
-        let mut fresh = all.grow(solid, most, vec![root], &[], &mut parts)?;
+        let too_many = SurfaceError::TooManyBlocks { voxel, most };
+        // Blocks that were split have no part any more.
+        let (mut parts, mut gone) = (Vec::new(), 0);
+        let mut fresh = all.grow(solid, most, vec![root], Vec::new(), &mut parts).ok_or(too_many.clone())?;
         let mut sampled = 0;
         loop {
             let large = if fresh.is_empty() {
@@ -113,38 +137,80 @@ impl<P: Part> Bricks<P> {
             } else {
                 all.larger_than(&mut fresh)
             };
+            gone += large.len();
             let (mut cubes, mut of) = (Vec::new(), Vec::new());
             for number in large {
-                let Brick { node, corner, level, .. } = all.leaves[number as usize];
-                all.split(node, corner, level, of.len(), &mut cubes);
+                let Brick { corner, level, .. } = all.leaves[number as usize];
+                all.split(corner, level, of.len(), &mut cubes);
                 of.extend(parts[number as usize].take());
                 fresh.push((corner, level));
             }
-            fresh.extend(all.grow(solid, most, cubes, &of, &mut parts)?);
+            let grown = all.grow(solid, most + gone, cubes, of, &mut parts);
+            fresh.extend(grown.ok_or(too_many.clone())?);
         }
-        // Those that were split have no part any more.
-        let mut kept = parts.iter();
-        all.leaves.retain(|_| kept.next().is_some_and(Option::is_some));
-        all.parts = parts.into_iter().flatten().collect();
-        for (brick, number) in all.leaves.iter().zip(0..) {
-            all.nodes[brick.node as usize] = Node::Brick(number);
-        }
+        all.put_in_order(parts);
         Ok(all)
+    }
+
+    /// Puts eight cubes in a block's place.
+    fn split(&mut self, corner: IVec3, level: u8, of: usize, cubes: &mut Vec<Cube>) {
+        let mut node = 0;
+        let mut at = self.top;
+        while let Node::Inner(first) = self.nodes[node].node() {
+            at -= 1;
+            node = (first + child(corner, at)) as usize;
+        }
+        let first = self.nodes.len() as u32;
+        self.nodes[node] = Node::Inner(first).into();
+        self.nodes.extend([Packed::from(Node::Empty(false)); 8]);
+        cubes.extend(Cube { node: 0, corner, level, of }.children(first, of));
+    }
+
+    /// Numbers blocks along a curve that fills space, however they were found, and leaves out those that were split.
+    fn put_in_order(&mut self, mut parts: Vec<Option<P>>) {
+        let count = parts.iter().flatten().count();
+        let mut leaves = Vec::with_capacity(count);
+        self.parts.reserve_exact(count);
+        let mut waiting = vec![0];
+        while let Some(node) = waiting.pop() {
+            match self.nodes[node as usize].node() {
+                Node::Inner(first) => waiting.extend((first..first + 8).rev()),
+                Node::Brick(number) => {
+                    self.nodes[node as usize] = Node::Brick(leaves.len() as u32).into();
+                    leaves.push(self.leaves[number as usize].clone());
+                    self.parts.extend(parts[number as usize].take());
+                }
+                Node::Empty(_) => (),
+            }
+        }
+        self.leaves = leaves;
+        self.nodes.shrink_to_fit();
     }
 
     /// Which blocks are too large beside cubes that were split; of these, keeps those that have such.
     fn larger_than(&self, split: &mut Vec<(IVec3, u8)>) -> Vec<u32> {
-        let large = parallel::map(split.len(), |i| {
-            let (corner, level) = split[i];
-            let found = self.around(corner, level).into_iter().filter_map(|place| match place {
-                Place::Larger(brick) => Some(brick),
-                _ => None,
-            });
-            found.collect::<Vec<_>>()
+        let groups = split.len().div_ceil(GROUP);
+        let large = parallel::map(groups, |group| {
+            let mut found = (Vec::new(), Vec::new());
+            for &(corner, level) in &split[group * GROUP..split.len().min((group + 1) * GROUP)] {
+                let before = found.0.len();
+                if level < self.top {
+                    found.0.extend(self.parents(&self.path(corner, level)).iter().filter_map(|parent| {
+                        match parent.node {
+                            Node::Brick(brick) => Some(brick),
+                            _ => None,
+                        }
+                    }));
+                }
+                // Once split, they may still be too large.
+                if found.0.len() > before {
+                    found.1.push((corner, level));
+                }
+            }
+            found
         });
-        // Once split, they may still be too large.
-        let mut found = large.iter();
-        split.retain(|_| found.next().is_some_and(|large| !large.is_empty()));
+        let (large, kept): (Vec<_>, Vec<_>) = large.into_iter().unzip();
+        *split = kept.concat();
         let mut large = large.concat();
         large.sort_unstable();
         large.dedup();
@@ -156,12 +222,10 @@ impl<P: Part> Bricks<P> {
     fn clashing(&self, parts: &[Option<P>]) -> Vec<u32> {
         let clashes = parallel::map(self.leaves.len(), |number| {
             let brick = &self.leaves[number];
-            let size = 4 << i32::from(brick.level);
             parts[number].is_some()
                 && brick.level > 0
-                && STEPS.into_iter().any(|step| {
-                    self.find(brick.corner + step * size, brick.level) == Place::Smaller
-                        && (0..64).any(|cell| self.clashes(brick, cell, step))
+                && self.beside(brick).into_iter().zip(STEPS).any(|(place, step)| {
+                    place == Place::Smaller && (0..64).any(|cell| self.clashes(brick, cell, step))
                 })
         });
         (0..).zip(clashes).filter_map(|(number, clashes)| clashes.then_some(number)).collect()
@@ -181,118 +245,81 @@ impl<P: Part> Bricks<P> {
         let inside = parallel::map(self.leaves.len() - first, |i| {
             let (brick, part) = (&self.leaves[first + i], &parts[first + i]);
             let values = part.as_ref().map_or([0.0; 64], |part| self.values(brick, part));
-            (0..64).filter(|&i| values[i] > 0.0).fold(0, |bits, i| bits | 1 << i)
+            (0..64).fold(0, |bits, i| bits | u64::from(values[i] > 0.0) << i)
         });
         for (brick, inside) in self.leaves[first..].iter_mut().zip(inside) {
             brick.inside = inside;
         }
     }
 
-    /// Splits cubes until they are empty or fine enough; returns those that were split.
-    fn grow(
-        &mut self,
-        solid: &impl Solid<Part = P>,
-        most: usize,
-        mut cubes: Vec<Cube>,
-        of: &[P],
-        parts: &mut Vec<Option<P>>,
-    ) -> Result<Vec<(IVec3, u8)>, SurfaceError> {
-        let mut inner = Vec::new();
-        let mut held: Vec<P>;
-        let mut of = of;
-        while !cubes.is_empty() {
-            let looks = parallel::map(cubes.len(), |i| self.look(solid, &cubes[i], of.get(cubes[i].of)));
-            let (mut next, mut split) = (Vec::new(), Vec::new());
-            for (Cube { node, corner, level, .. }, look) in cubes.into_iter().zip(looks) {
-                match look {
-                    Look::Empty(inside) => self.nodes[node as usize] = Node::Empty(inside),
-                    Look::Brick(part) => {
-                        self.nodes[node as usize] = Node::Brick(self.leaves.len() as u32);
-                        self.leaves.push(Brick { corner, level, inside: 0, node });
-                        parts.push(Some(part));
-                    }
-                    Look::Split(part) => {
-                        self.split(node, corner, level, split.len(), &mut next);
-                        split.push(part);
-                        inner.push((corner, level));
-                    }
-                }
-            }
-            // What is split holds a block or more.
-            if self.leaves.len() + split.len() > most {
-                return Err(SurfaceError::TooManyBlocks { voxel: self.voxel, most });
-            }
-            (cubes, held) = (next, split);
-            of = &held;
+    fn path(&self, corner: IVec3, level: u8) -> Path {
+        let mut path = Path { corner, level, firsts: [0; 32] };
+        let (mut node, mut at) = (self.nodes[0], self.top);
+        while at > level
+            && let Node::Inner(first) = node.node()
+        {
+            path.firsts[usize::from(at)] = first;
+            at -= 1;
+            node = self.nodes[(first + child(corner, at)) as usize];
         }
-        Ok(inner)
+        path
     }
 
-    fn split(&mut self, node: u32, corner: IVec3, level: u8, of: usize, cubes: &mut Vec<Cube>) {
-        let first = self.nodes.len() as u32;
-        self.nodes[node as usize] = Node::Inner(first);
-        for i in 0..8 {
-            let corner = corner + (IVec3::new(i & 1, i >> 1 & 1, i >> 2) << i32::from(level + 1));
-            cubes.push(Cube { node: first + i as u32, corner, level: level - 1, of });
-            self.nodes.push(Node::Empty(false));
-        }
+    /// The eight cubes of twice the size, or what larger holds them, in which the 3 · 3 · 3 places around a cube lie.
+    fn parents(&self, path: &Path) -> [Found; 8] {
+        let level = i32::from(path.level);
+        let first: IVec3 = ((path.corner >> (level + 2)) - 1) >> 1;
+        std::array::from_fn(|i| self.near(path, (first + octant(i as u32)) << (level + 3), path.level + 1))
     }
 
-    fn look(&self, solid: &impl Solid<Part = P>, cube: &Cube, of: Option<&P>) -> Look<P> {
-        let step = self.step(cube.level);
-        let corner = self.place(cube.corner);
-        let bounds = Bounds::new(corner, corner + 4.0 * step).grown(MARGIN * step);
-        let part = match solid.part(of, bounds) {
-            Coverage::Outside => return Look::Empty(false),
-            Coverage::Inside => return Look::Empty(true),
-            Coverage::Crossed(part) => part,
-        };
-        // Nowhere in the cube is the value farther from that in its middle.
-        let value = part.value(bounds.center());
-        if value.abs() > part.lipschitz() * bounds.size().length() * 0.5 {
-            return Look::Empty(value > 0.0);
-        }
-        if cube.level > 0 && step > part.detail() { Look::Split(part) } else { Look::Brick(part) }
-    }
-
-    /// What is in each of the 3 · 3 · 3 places around a cube, itself in the middle.
-    pub(super) fn around(&self, corner: IVec3, level: u8) -> [Place; 27] {
-        let offset = |i: usize| IVec3::new(i as i32 % 3, i as i32 / 3 % 3, i as i32 / 9);
+    /// What is in each of the 3 · 3 · 3 places around a block, itself in the middle.
+    pub(super) fn around(&self, brick: &Brick) -> [Place; 27] {
+        let (corner, level) = (brick.corner, brick.level);
+        let mut places = [Place::Empty(false); 27];
+        places[13] = self.find(corner, level);
         if level == self.top {
-            let beside = |i| self.find(corner + ((offset(i) - 1) << i32::from(level + 2)), level);
-            return std::array::from_fn(beside);
+            return places;
         }
-        // They lie in eight cubes of twice the size.
-        let first: IVec3 = (corner >> i32::from(level + 2)) - 1;
-        let parents: [Found; 8] = std::array::from_fn(|i| {
-            let offset = IVec3::new(i as i32 & 1, i as i32 >> 1 & 1, i as i32 >> 2);
-            self.reach(((first >> 1) + offset) << i32::from(level + 3), level + 1)
-        });
-        std::array::from_fn(|i| {
-            let place: IVec3 = (first & 1) + offset(i);
-            let (parent, child): (IVec3, IVec3) = (place >> 1, place & 1);
-            let child = (child.x | child.y << 1 | child.z << 2) as usize;
-            match parents[(parent.x | parent.y << 1 | parent.z << 2) as usize] {
-                Found { node: Node::Inner(first), level: at } if at == level + 1 => {
-                    place_of(Found { node: self.nodes[first as usize + child], level }, level)
+        let parents = self.parents(&self.path(corner, level));
+        let odd = ((corner >> i32::from(level + 2)) - 1) & 1;
+        let [x, y, z] = odd.to_array().map(|odd| odd as usize);
+        for (i, place) in places.iter_mut().enumerate() {
+            let [x, y, z] = [x + i % 3, y + i / 3 % 3, z + i / 9];
+            let found = parents[x >> 1 | y & 2 | (z & 2) << 1];
+            let child = (x & 1 | (y & 1) << 1 | (z & 1) << 2) as u32;
+            *place = match found.node {
+                Node::Inner(first) => {
+                    place_of(Found { node: self.nodes[(first + child) as usize].node(), level }, level)
                 }
-                found => place_of(found, level),
-            }
-        })
+                _ => place_of(found, level),
+            };
+        }
+        places
+    }
+
+    /// What is beside each of a block's faces.
+    pub(super) fn beside(&self, brick: &Brick) -> [Place; 6] {
+        let (corner, level) = (brick.corner, brick.level);
+        if level == self.top {
+            return [Place::Empty(false); 6];
+        }
+        let path = self.path(corner, level);
+        STEPS.map(|step| place_of(self.near(&path, corner + step * (4 << level), level), level))
     }
 
     /// The side of a voxel, metres.
     pub(super) fn step(&self, level: u8) -> f32 {
-        self.voxel * (1u32 << level) as f32
+        self.grid.step(level)
     }
 
+    #[cfg(test)]
     pub(super) fn place(&self, corner: IVec3) -> Vec3 {
-        self.origin + corner.as_vec3() * self.voxel
+        self.grid.place(corner)
     }
 
     /// The middle of a block's voxel, metres.
     pub(super) fn middle(&self, brick: &Brick, cell: u32) -> Vec3 {
-        self.place(brick.corner) + (voxel(cell).as_vec3() + 0.5) * self.step(brick.level)
+        self.grid.place(brick.corner) + (voxel(cell).as_vec3() + 0.5) * self.step(brick.level)
     }
 
     /// The value in the middle of each voxel of a block.
@@ -304,34 +331,52 @@ impl<P: Part> Bricks<P> {
         part.sample(self.middle(brick, 0), self.step(brick.level))
     }
 
-    /// What is at a corner that blocks of that level can have.
-    pub(super) fn find(&self, corner: IVec3, level: u8) -> Place {
-        place_of(self.reach(corner, level), level)
+    /// The block and its voxel that is in a place beside or around another block, whose voxels may be counted on into the
+    /// place; none where blocks are smaller or missing.
+    pub(super) fn holder(&self, brick: &Brick, place: Place, cell: IVec3) -> Option<(u32, u32)> {
+        let bits = |cell: IVec3| (cell.x | cell.y << 2 | cell.z << 4) as u32;
+        match place {
+            Place::Same(number) => Some((number, bits(cell & 3))),
+            Place::Larger(number) => {
+                let larger = &self.leaves[number as usize];
+                let corner = brick.corner + (cell << i32::from(brick.level));
+                Some((number, bits((corner - larger.corner) >> i32::from(larger.level))))
+            }
+            Place::Smaller | Place::Empty(_) => None,
+        }
     }
 
-    /// The node at a corner that cubes of that level can have, or the larger leaf there.
-    fn reach(&self, corner: IVec3, level: u8) -> Found {
+    /// What is at a corner that blocks of that level can have.
+    pub(super) fn find(&self, corner: IVec3, level: u8) -> Place {
         let outside = corner.to_array().into_iter().fold(0, |outside, x| outside | x >> (self.top + 2));
         if outside != 0 {
+            return Place::Empty(false);
+        }
+        place_of(self.down(Found { node: self.nodes[0].node(), level: self.top }, corner, level), level)
+    }
+
+    /// The node near a cube at a corner that cubes of that level can have, or the larger leaf there.
+    fn near(&self, path: &Path, corner: IVec3, level: u8) -> Found {
+        let differ = corner ^ path.corner;
+        // Both are in one cube of this level.
+        let bits = (differ.x | differ.y | differ.z | 1) as u32;
+        let common = (30 - bits.leading_zeros() as i32).max(i32::from(path.level) + 1);
+        if common > i32::from(self.top) {
             return Found { node: Node::Empty(false), level };
         }
-        let mut found = Found { node: self.nodes[0], level: self.top };
+        let node = Node::Inner(path.firsts[common as usize]);
+        self.down(Found { node, level: common as u8 }, corner, level)
+    }
+
+    fn down(&self, mut found: Found, corner: IVec3, level: u8) -> Found {
         while let Node::Inner(first) = found.node
             && found.level > level
         {
             found.level -= 1;
-            let bits = (corner >> i32::from(found.level + 2)) & 1;
-            found.node = self.nodes[first as usize + (bits.x | bits.y << 1 | bits.z << 2) as usize];
+            found.node = self.nodes[(first + child(corner, found.level)) as usize].node();
         }
         found
     }
-}
-
-/// A node of the octree and its level.
-#[derive(Debug, Clone, Copy)]
-struct Found {
-    node: Node,
-    level: u8,
 }
 
 fn place_of(found: Found, level: u8) -> Place {
@@ -341,6 +386,17 @@ fn place_of(found: Found, level: u8) -> Place {
         Node::Brick(brick) => Place::Larger(brick),
         Node::Inner(_) => Place::Smaller,
     }
+}
+
+/// Which of eight children has a corner, if they are of that level.
+fn child(corner: IVec3, level: u8) -> u32 {
+    let bits = (corner >> i32::from(level + 2)) & 1;
+    (bits.x | bits.y << 1 | bits.z << 2) as u32
+}
+
+/// Where among eight cubes one lies.
+pub(super) fn octant(i: u32) -> IVec3 {
+    IVec3::new(i as i32 & 1, i as i32 >> 1 & 1, i as i32 >> 2)
 }
 
 /// Where in its block a voxel is.

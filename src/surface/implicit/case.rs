@@ -2,9 +2,24 @@
 
 use std::sync::LazyLock;
 
-/// Triangles of each case, named by the cube's edges. Bit i of a case says that corner i is inside; corner
-/// `x + 2y + 4z` is at (x, y, z).
-pub(super) static CASES: LazyLock<Vec<Vec<[u8; 3]>>> = LazyLock::new(|| (0..=255).map(triangles).collect());
+/// How the surface passes in each case. Bit i of a case says that corner i is inside; corner `x + 2y + 4z` is at (x, y, z).
+pub(super) static CASES: LazyLock<Vec<Case>> = LazyLock::new(|| (0..=255).map(Case::new).collect());
+
+/// How the surface passes between the corners of a cube.
+#[derive(Debug)]
+pub(super) struct Case {
+    /// Triangles, named by the cube's edges.
+    pub(super) triangles: Vec<[u8; 3]>,
+    /// Bit i says that the surface crosses edge i.
+    pub(super) crossed: u16,
+}
+
+impl Case {
+    fn new(case: u8) -> Self {
+        let crossed = (0..).zip(EDGES).filter(|(_, [a, b])| (case >> a ^ case >> b) & 1 == 1);
+        Self { triangles: triangles(case), crossed: crossed.fold(0, |bits, (edge, _)| bits | 1 << edge) }
+    }
+}
 
 /// The two corners of an edge: four along x, then y, then z.
 pub(super) const EDGES: [[u8; 2]; 12] = {
@@ -111,14 +126,18 @@ mod tests {
     fn every_case_has_patches_with_borders_in_the_faces_alone() {
         for case in 0..=255u8 {
             let mut sides: Vec<[u8; 2]> = Vec::new();
-            for [a, b, c] in &CASES[case as usize] {
+            let Case { triangles, crossed } = &CASES[case as usize];
+            for [a, b, c] in triangles {
                 sides.extend([[*a, *b], [*b, *c], [*c, *a]]);
             }
             let open: Vec<_> = sides.iter().filter(|[a, b]| !sides.contains(&[*b, *a])).collect();
             assert!(open.iter().all(|[a, b]| share_face(*a, *b)), "case {case}");
             assert!(sides.iter().filter(|side| !open.contains(side)).all(|[a, b]| !share_face(*a, *b)));
-            let crossed = EDGES.iter().filter(|[a, b]| (case >> a ^ case >> b) & 1 == 1).count();
-            assert_eq!(open.len(), crossed, "case {case}: a crossing a border's corner");
+            assert_eq!(
+                open.len(),
+                crossed.count_ones() as usize,
+                "case {case}: a crossing a border's corner"
+            );
         }
     }
 
@@ -126,7 +145,9 @@ mod tests {
     #[test]
     fn one_corner_faces_outward() {
         for corner in 0..8u8 {
-            let [triangle] = CASES[1 << corner as usize][..] else { panic!("one triangle around {corner}") };
+            let [triangle] = CASES[1 << corner as usize].triangles[..] else {
+                panic!("one triangle around {corner}")
+            };
             let place = |corner: u8| {
                 glam::Vec3::new((corner & 1) as f32, (corner >> 1 & 1) as f32, (corner >> 2) as f32)
             };

@@ -1,51 +1,57 @@
 //! Marching cubes on the octree's dual: the cubes' corners are the middles of voxels of whatever size.
 
-use super::brick::{Brick, Bricks, Place, STEPS, voxel};
-use super::case::{CASES, EDGES};
+use super::brick::{Brick, Bricks, Place};
+use super::case::{CASES, Case, EDGES};
+use super::collapse::{Patch, Vertex};
+use super::crossed::{Crossed, bits};
 use super::solid::Part;
+use super::vertex::Crossings;
 use crate::parallel;
 use crate::surface::{Mesh, SurfaceError};
 use glam::{IVec3, Vec3};
+use std::ops::Range;
 
 /// Blocks that one thread takes at a time, and how many of these are held before they are joined.
 const GROUP: usize = 64;
 const HELD: usize = 256;
-/// Vertices keep this share of an edge's length from its ends, so that triangles have an area.
-const MARGIN: f32 = 1.0 / 32.0;
-/// A vertex may be so many parts of its edge off the surface.
-const OFF: f32 = 0.01;
+/// The same where vertices go: at the borders between patches they stay.
+pub(super) const PATCH: usize = 2048;
+const PATCHES: usize = 64;
 
-/// The edges from a block's voxels to their neighbours that the surface crosses, for each direction: x, y, z, then
-/// back along them. An edge between two sizes belongs to the smaller voxel, others to the one that comes first.
-#[derive(Debug, Clone, Copy)]
-struct Crossed {
-    first: u32,
-    /// How many are of the directions before.
-    before: [u16; 6],
-    edges: [u64; 6],
-}
-
-impl Crossed {
-    fn vertex(&self, direction: usize, cell: u32) -> u32 {
-        let before = u32::from(self.before[direction]);
-        self.first + before + (self.edges[direction] & ((1 << cell) - 1)).count_ones()
-    }
+/// What becomes of the triangles of marching cubes.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) enum Finish {
+    /// Nothing.
+    Plain,
+    /// Their vertices get the solid's colours.
+    Colored,
+    /// They become longer, their sides off the surface by up to so many voxels.
+    Longer(f32),
 }
 
 /// A block with one voxel more on each side.
 struct Surroundings<'a, P> {
     bricks: &'a Bricks<P>,
     brick: &'a Brick,
-    number: u32,
     /// What is in each of 3 · 3 · 3 places; the block itself in the middle.
     places: [Place; 27],
+    /// Bits say which of these are blocks of the same size that come before this one, or smaller, or not of the same size.
+    earlier: u32,
+    smaller: u32,
+    unlike: u32,
 }
 
 impl<'a, P: Part> Surroundings<'a, P> {
     fn new(bricks: &'a Bricks<P>, number: u32) -> Self {
         let brick = &bricks.leaves[number as usize];
-        let places = bricks.around(brick.corner, brick.level);
-        Self { bricks, brick, number, places }
+        let places = bricks.around(brick);
+        let among = |is: fn(&Place, u32) -> bool| {
+            (0..).zip(&places).fold(0, |bits, (i, place)| bits | u32::from(is(place, number)) << i)
+        };
+        let earlier = among(|place, number| matches!(place, Place::Same(other) if *other < number));
+        let smaller = among(|place, _| *place == Place::Smaller);
+        let unlike = among(|place, _| !matches!(place, Place::Same(_)));
+        Self { bricks, brick, places, earlier, smaller, unlike }
     }
 
     /// What a voxel is in, -1 to 4 in each direction.
@@ -56,149 +62,80 @@ impl<'a, P: Part> Surroundings<'a, P> {
 
     /// The block and the voxel that holds this one; none where there is no block of this size or larger.
     fn holder(&self, cell: IVec3) -> Option<(u32, u32)> {
-        let bits = |cell: IVec3| (cell.x | cell.y << 2 | cell.z << 4) as u32;
-        if (cell.x | cell.y | cell.z) & !3 == 0 {
-            return Some((self.number, bits(cell)));
-        }
-        match self.place(cell) {
-            Place::Same(number) => Some((number, bits(cell & 3))),
-            Place::Larger(number) => {
-                let brick = &self.bricks.leaves[number as usize];
-                let corner = self.brick.corner + (cell << i32::from(self.brick.level));
-                Some((number, bits((corner - brick.corner) >> i32::from(brick.level))))
-            }
-            Place::Smaller | Place::Empty(_) => None,
-        }
-    }
-
-    fn is_inside(&self, cell: IVec3) -> bool {
-        match self.holder(cell) {
-            Some((number, cell)) => self.bricks.leaves[number as usize].inside >> cell & 1 == 1,
-            None => self.place(cell) == Place::Empty(true),
-        }
-    }
-
-    /// Which edges of this block's the surface crosses.
-    fn crossed(&self) -> [u64; 6] {
-        let inside = self.brick.inside;
-        std::array::from_fn(|direction| {
-            let (axis, back) = (direction % 3, direction > 2);
-            let (shift, first) = (1 << (2 * axis), FIRST[axis]);
-            // Between the block's own voxels.
-            let within = if back { 0 } else { (inside ^ inside >> shift) & !(first << (3 * shift)) };
-            let border = if back { first } else { first << (3 * shift) };
-            let owned = match self.places[(13 + STEPS[direction].dot(IVec3::new(1, 3, 9))) as usize] {
-                Place::Same(_) => !back,
-                Place::Larger(_) => true,
-                Place::Smaller | Place::Empty(_) => false,
-            };
-            let across = |cell: u32| {
-                owned && self.is_inside(voxel(cell) + STEPS[direction]) != (inside >> cell & 1 == 1)
-            };
-            bits(border).filter(|&cell| across(cell)).fold(within, |edges, cell| edges | 1 << cell)
-        })
-    }
-
-    /// Where the surface crosses the edge from a voxel to its neighbour, its normal there, and what counts there.
-    fn vertex(&self, values: &[f32; 64], direction: usize, cell: u32) -> Option<(Vec3, Vec3, &'a P)> {
-        let (number, beyond) = self.holder(voxel(cell) + STEPS[direction])?;
-        let other = &self.bricks.leaves[number as usize];
-        let from = self.bricks.middle(self.brick, cell);
-        let way = self.bricks.middle(other, beyond) - from;
-        // The larger one's cube holds the smaller one's middle; not the other way round.
-        let larger = if other.level > self.brick.level { number } else { self.number };
-        let part = &self.bricks.parts[larger as usize];
-        let starts_inside = values[cell as usize] > 0.0;
-        let (mut low, mut high) = (MARGIN, 1.0 - MARGIN);
-        let start = values[cell as usize];
-        let end = if number == self.number { values[beyond as usize] } else { part.value(from + way) };
-        let mut t = (start / (start - end)).clamp(low, high);
-        let mut tries = 0;
-        loop {
-            let point = from + way * t;
-            let (value, slope) = part.gradient(point);
-            let along = slope.dot(way);
-            if value.abs() <= OFF * way.length() * slope.length() || tries == 5 || high - low < OFF {
-                let outward = if starts_inside { way } else { -way };
-                return Some((point, (-slope).normalize_or(outward.normalize_or(Vec3::Y)), part));
-            }
-            if (value > 0.0) == starts_inside {
-                low = t;
-            } else {
-                high = t;
-            }
-            let newton = t - value / along;
-            t = if newton > low && newton < high { newton } else { 0.5 * (low + high) };
-            tries += 1;
-        }
+        self.bricks.holder(self.brick, self.place(cell), cell)
     }
 
     /// The triangles around those of the block's voxels' corners that are its own: not a smaller block's, nor one's of
     /// its size that comes before.
-    fn triangles(&self, crossed: &[Crossed], indices: &mut Vec<u32>) {
+    fn triangles(&self, cases: &[Case], crossed: &[Crossed], triangles: &mut Vec<[u32; 3]>) {
         let rows = self.rows();
-        let beside_smaller = self.places.contains(&Place::Smaller);
-        for row in 0..25 {
-            let row = row % 5 + 6 * (row / 5);
-            let (any, all) = [1, 6, 7]
-                .iter()
-                .fold((rows[row], rows[row]), |(any, all), i| (any | rows[row + i], all & rows[row + i]));
-            if !beside_smaller && (any == 0 || all == FULL) {
-                continue;
-            }
-            for x in 0..5 {
-                let corners = [0, 1, 6, 7].into_iter().zip([0, 2, 4, 6]);
-                let case = corners.fold(0, |case, (offset, shift)| {
-                    case | usize::from(rows[row + offset] >> x & 3) << shift
-                });
-                if beside_smaller || !matches!(case, 0 | 255) {
-                    self.triangles_around(
-                        IVec3::new(x, row as i32 % 6, row as i32 / 6),
-                        case,
-                        crossed,
-                        indices,
-                    );
+        let beside_smaller = self.smaller != 0;
+        for (y, z) in (0..25).map(|row| (row % 5, row / 5)) {
+            let row = y + 6 * z;
+            let four = [0, 1, 6, 7].map(|offset| rows[row + offset]);
+            let any = four[0] | four[1] | four[2] | four[3];
+            let all = four[0] & four[1] & four[2] & four[3];
+            let active = (any | any >> 1) & !(all & all >> 1) & 0x1f;
+            for x in bits(if beside_smaller { 0x1f } else { u64::from(active) }) {
+                let touched = TOUCHED[x as usize + 5 * y + 25 * z];
+                if touched & self.earlier != 0 {
+                    continue;
                 }
+                let corners = four.into_iter().zip([0, 2, 4, 6]);
+                let case = corners.fold(0, |case, (row, shift)| case | usize::from(row >> x & 3) << shift);
+                if touched & self.unlike != 0 {
+                    let at = IVec3::new(x as i32, y as i32, z as i32);
+                    self.triangles_between_sizes(at, touched, case, cases, crossed, triangles);
+                    continue;
+                }
+                let mut found = [0; 12];
+                let first = x as usize + 6 * row;
+                for edge in bits(u64::from(cases[case].crossed)) {
+                    let (place, cell) = VOXELS[first + LOWER[edge as usize]];
+                    if let Place::Same(number) = self.places[usize::from(place)] {
+                        let axis = edge as usize / 4;
+                        found[edge as usize] = crossed[number as usize].vertex(axis, u32::from(cell));
+                    }
+                }
+                triangles.extend(cases[case].triangles.iter().map(|t| t.map(|edge| found[edge as usize])));
             }
         }
     }
 
-    /// The triangles around one corner, if they are the block's own.
-    fn triangles_around(&self, at: IVec3, mut case: usize, crossed: &[Crossed], indices: &mut Vec<u32>) {
+    /// The triangles around one corner that touches no smaller block's voxel.
+    fn triangles_between_sizes(
+        &self,
+        at: IVec3,
+        touched: u32,
+        mut case: usize,
+        cases: &[Case],
+        crossed: &[Crossed],
+        triangles: &mut Vec<[u32; 3]>,
+    ) {
         let back = |i: u8| IVec3::new(i32::from(i & 1), i32::from(i >> 1 & 1), i32::from(i >> 2)) - 1;
         let cell = |i: u8| at + back(i);
-        if at.cmpeq(IVec3::ZERO).any() || at.cmpeq(IVec3::splat(4)).any() {
-            for i in 0..8 {
-                let theirs = match self.place(cell(i)) {
-                    Place::Same(number) => number < self.number,
-                    Place::Smaller => {
-                        let at = self.brick.corner + (at << i32::from(self.brick.level)) + back(i);
-                        let leaf = self.bricks.find(at, 0);
-                        case |= usize::from(leaf == Place::Empty(true)) << i;
-                        !matches!(leaf, Place::Empty(_))
-                    }
-                    _ => false,
-                };
-                if theirs {
-                    return;
+        if touched & self.smaller != 0 {
+            for i in (0..8).filter(|&i| self.place(cell(i)) == Place::Smaller) {
+                let at = self.brick.corner + (at << i32::from(self.brick.level)) + back(i);
+                match self.bricks.find(at, 0) {
+                    Place::Empty(inside) => case |= usize::from(inside) << i,
+                    _ => return,
                 }
             }
         }
         let mut found = [None; 12];
-        for (edge, found) in found.iter_mut().enumerate() {
-            let [low, high] = EDGES[edge];
-            if (case >> low ^ case >> high) & 1 == 1 {
-                *found = self.find(crossed, edge / 4, cell(low), cell(high));
-            }
+        for edge in bits(u64::from(cases[case].crossed)) {
+            let [low, high] = EDGES[edge as usize];
+            found[edge as usize] = self.find(crossed, edge as usize / 4, cell(low), cell(high));
         }
-        for triangle in &CASES[case] {
+        for triangle in &cases[case].triangles {
             // Where one voxel is several corners of the cube, edges are one and the same.
             if let [Some(a), Some(b), Some(c)] = triangle.map(|edge| found[edge as usize])
                 && a != b
                 && b != c
                 && c != a
             {
-                indices.extend([a, b, c]);
+                triangles.push([a, b, c]);
             }
         }
     }
@@ -206,19 +143,34 @@ impl<'a, P: Part> Surroundings<'a, P> {
     /// Which voxels are inside, this block's and one more on each side: a bit each along x, rows along y, then z.
     fn rows(&self) -> [u8; 36] {
         let mut rows = [0; 36];
-        for row in 0..16 {
-            rows[7 + row % 4 + 6 * (row / 4)] = ((self.brick.inside >> (4 * row) & 0xf) << 1) as u8;
-        }
         for (i, place) in self.places.iter().enumerate() {
-            if i == 13 || matches!(place, Place::Empty(false) | Place::Smaller) {
-                continue;
-            }
-            let range = |block: usize| [-1..0, 0..4, 4..5][block].clone();
-            for z in range(i / 9) {
-                for y in range(i / 3 % 3) {
-                    let row = &mut rows[(y + 1 + 6 * (z + 1)) as usize];
-                    for x in range(i % 3) {
-                        *row |= u8::from(self.is_inside(IVec3::new(x, y, z))) << (x + 1);
+            let (x, y, z) = (i % 3, i / 3 % 3, i / 9);
+            let range = |block: usize| [0..1, 1..5, 5..6][block].clone();
+            let mut inside = |rows_of: &dyn Fn(usize, usize) -> u64| {
+                for (z, y) in range(z).flat_map(|z| range(y).map(move |y| (z, y))) {
+                    let row = rows_of(y, z) & 0xf;
+                    rows[y + 6 * z] |= [row >> 3, row << 1, (row & 1) << 5][x] as u8;
+                }
+            };
+            match *place {
+                Place::Empty(false) | Place::Smaller => (),
+                Place::Empty(true) => inside(&|_, _| 0xf),
+                Place::Same(number) => {
+                    let bits = self.bricks.leaves[number as usize].inside;
+                    if bits != 0 {
+                        inside(&|y, z| bits >> (4 * ((y + 3) & 3) + 16 * ((z + 3) & 3)));
+                    }
+                }
+                Place::Larger(number) => {
+                    let bits = self.bricks.leaves[number as usize].inside;
+                    if bits != 0 {
+                        inside(&|y, z| {
+                            (0..4).fold(0, |row, i| {
+                                let cell = IVec3::new(4 * x as i32 - 4 + i, y as i32 - 1, z as i32 - 1);
+                                let held = self.bricks.holder(self.brick, *place, cell);
+                                row | held.map_or(0, |(_, cell)| bits >> cell & 1) << i
+                            })
+                        });
                     }
                 }
             }
@@ -236,62 +188,75 @@ impl<'a, P: Part> Surroundings<'a, P> {
     }
 }
 
-/// A row of six voxels that are all inside.
-const FULL: u8 = 0x3f;
-/// The voxels on a block's lower side along x, y, z.
-const FIRST: [u64; 3] = [0x1111_1111_1111_1111, 0x000f_000f_000f_000f, 0xffff];
+/// The place and the cell there of each of 6 · 6 · 6 voxels.
+const VOXELS: [(u8, u8); 216] = {
+    let mut voxels = [(0, 0); 216];
+    let mut i = 0;
+    while i < 216 {
+        let [x, y, z] = [i as u8 % 6 + 3, i as u8 / 6 % 6 + 3, i as u8 / 36 + 3];
+        voxels[i] = (x / 4 + 3 * (y / 4) + 9 * (z / 4), x % 4 + 4 * (y % 4) + 16 * (z % 4));
+        i += 1;
+    }
+    voxels
+};
 
-/// The places of the bits that are set.
-fn bits(mut left: u64) -> impl Iterator<Item = u32> {
-    std::iter::from_fn(move || {
-        let bit = (left != 0).then(|| left.trailing_zeros());
-        left &= left.wrapping_sub(1);
-        bit
-    })
-}
+/// Which of 27 places the eight voxels around each of 5 · 5 · 5 corners are in.
+const TOUCHED: [u32; 125] = {
+    let mut touched = [0; 125];
+    let mut i = 0;
+    while i < 125 * 8 {
+        let (corner, voxel) = (i / 8, i % 8);
+        let first = corner % 5 + 6 * (corner / 5 % 5) + 36 * (corner / 25);
+        touched[corner] |= 1 << VOXELS[first + (voxel & 1) + 6 * (voxel >> 1 & 1) + 36 * (voxel >> 2)].0;
+        i += 1;
+    }
+    touched
+};
 
-/// The surface between the voxels of blocks, with the solid's colours if they are wanted.
-pub(super) fn march<P: Part>(mut bricks: Bricks<P>, colored: bool) -> Result<Mesh, SurfaceError> {
+/// By how many of 6 · 6 · 6 voxels the lower end of each of a cube's edges lies after the cube's first.
+const LOWER: [usize; 12] = {
+    let mut lower = [0; 12];
+    let mut edge = 0;
+    while edge < 12 {
+        let corner = EDGES[edge][0] as usize;
+        lower[edge] = (corner & 1) + 6 * (corner >> 1 & 1) + 36 * (corner >> 2);
+        edge += 1;
+    }
+    lower
+};
+
+/// The surface between the voxels of blocks.
+pub(super) fn march<P: Part>(mut bricks: Bricks<P>, finish: Finish) -> Result<Mesh, SurfaceError> {
     let count = bricks.leaves.len();
-    let edges = parallel::map(count, |number| Surroundings::new(&bricks, number as u32).crossed());
-    let vertices = edges.iter().flatten().map(|edges| edges.count_ones() as usize).sum();
+    let mut crossed = parallel::map(count, |number| Crossed::new(&bricks, &bricks.leaves[number]));
+    let vertices = crossed.iter().map(|crossed| crossed.count() as usize).sum();
     if vertices > u32::MAX as usize {
         return Err(SurfaceError::TooLarge { vertices });
     }
     let mut first = 0;
-    let crossed: Vec<_> = edges
-        .into_iter()
-        .map(|edges| {
-            let mut here = Crossed { first, before: [0; 6], edges };
-            for (edges, before) in edges.iter().zip(&mut here.before) {
-                *before = (first - here.first) as u16;
-                first += edges.count_ones();
-            }
-            here
-        })
-        .collect();
+    for crossed in &mut crossed {
+        crossed.start_at(first);
+        first += crossed.count();
+    }
+    if let Finish::Longer(error) = finish {
+        return Ok(longer(&bricks, &crossed, vertices, error));
+    }
     let mut mesh = Mesh::default();
     mesh.positions.reserve_exact(vertices);
     mesh.normals.reserve_exact(vertices);
+    let colored = finish == Finish::Colored;
     mesh.colors.reserve_exact(if colored { vertices } else { 0 });
     in_groups(
         count,
-        |number, part: &mut Mesh| {
-            let edges = crossed[number as usize].edges;
-            if edges == [0; 6] {
-                return;
-            }
-            let around = Surroundings::new(&bricks, number);
-            let values = bricks.sample(number as usize);
-            for (direction, edges) in edges.into_iter().enumerate() {
-                for cell in bits(edges) {
-                    if let Some((position, normal, solid)) = around.vertex(&values, direction, cell) {
-                        part.positions.push(position);
-                        part.normals.push(normal);
-                        part.colors.extend(colored.then(|| solid.color(position)));
-                    }
-                }
-            }
+        (GROUP, HELD),
+        |blocks| {
+            let mut part = Mesh::default();
+            each_vertex(&bricks, &crossed, blocks, |_, position, normal, solid| {
+                part.positions.push(position);
+                part.normals.push(normal);
+                part.colors.extend(colored.then(|| solid.color(position)));
+            });
+            part
         },
         |part| {
             mesh.positions.extend(part.positions);
@@ -303,28 +268,116 @@ pub(super) fn march<P: Part>(mut bricks: Bricks<P>, colored: bool) -> Result<Mes
     bricks.parts = Vec::new();
     // Closed surfaces have two triangles a vertex, less four a body and plus four a handle, of which there are few.
     mesh.indices.reserve_exact(6 * vertices + vertices / 32);
-    in_groups(
-        count,
-        |number, indices: &mut Vec<u32>| Surroundings::new(&bricks, number).triangles(&crossed, indices),
-        |indices| mesh.indices.extend(indices),
-    );
+    let triangles = |blocks| triangles(&bricks, &crossed, blocks);
+    in_groups(count, (GROUP, HELD), triangles, |part| mesh.indices.extend(part.into_flattened()));
     Ok(mesh)
 }
 
-/// Has threads make parts of some blocks each, and joins the parts in the blocks' order before they are too many.
-fn in_groups<T: Default + Send>(
-    count: usize,
-    add: impl Fn(u32, &mut T) + Sync + Send,
-    mut join: impl FnMut(T),
-) {
-    for start in (0..count).step_by(GROUP * HELD) {
-        let groups = (count - start).div_ceil(GROUP).min(HELD);
-        let parts = parallel::map(groups, |group| {
-            let mut part = T::default();
-            let first = start + group * GROUP;
-            (first..(first + GROUP).min(count)).for_each(|number| add(number as u32, &mut part));
-            part
-        });
-        parts.into_iter().for_each(&mut join);
+/// The surface with longer triangles.
+fn longer<P: Part>(bricks: &Bricks<P>, crossed: &[Crossed], vertices: usize, error: f32) -> Mesh {
+    let mut mesh = Mesh::default();
+    // Which vertices are left, 64 in each word.
+    let mut left = vec![0u64; vertices.div_ceil(64)];
+    in_groups(
+        bricks.leaves.len(),
+        (PATCH, PATCHES),
+        |blocks| {
+            let first = crossed[blocks.start].first();
+            let mut vertices = Vec::new();
+            each_vertex(bricks, crossed, blocks.clone(), |brick, position, normal, _| {
+                vertices.push(Vertex::new(position, normal, error * bricks.step(brick.level)));
+            });
+            let mut triangles = triangles(bricks, crossed, blocks);
+            // Vertices of other patches are those beyond all, before or after.
+            triangles.as_flattened_mut().iter_mut().for_each(|vertex| *vertex = vertex.wrapping_sub(first));
+            let mut patch = Patch::new(vertices, triangles);
+            patch.collapse();
+            let (vertices, triangles) = patch.rest();
+            let indices: Vec<_> = triangles.flatten().map(|vertex| vertex.wrapping_add(first)).collect();
+            (vertices.map(|(number, vertex)| (first + number, vertex)).collect::<Vec<_>>(), indices)
+        },
+        |(vertices, indices)| {
+            for (number, vertex) in vertices {
+                left[number as usize / 64] |= 1 << (number % 64);
+                push(&mut mesh.positions, vertex.position);
+                push(&mut mesh.normals, vertex.normal);
+            }
+            for index in indices {
+                push(&mut mesh.indices, index);
+            }
+        },
+    );
+    let mut count = 0;
+    let before = left.iter().map(|word| {
+        count += word.count_ones();
+        count - word.count_ones()
+    });
+    let before: Vec<u32> = before.collect();
+    let mut parts: Vec<_> = mesh.indices.chunks_mut(1 << 16).collect();
+    parallel::each_mut(&mut parts, |_, indices| {
+        for index in &mut **indices {
+            let (word, bit) = (*index as usize / 64, *index % 64);
+            *index = before[word] + (left[word] & ((1 << bit) - 1)).count_ones();
+        }
+    });
+    mesh.positions.shrink_to_fit();
+    mesh.normals.shrink_to_fit();
+    mesh.indices.shrink_to_fit();
+    mesh
+}
+
+/// Adds to what may become most of the memory: room for an eighth more is enough each time.
+fn push<T>(all: &mut Vec<T>, one: T) {
+    if all.len() == all.capacity() {
+        all.reserve_exact(all.len() / 8 + 1024);
     }
+    all.push(one);
+}
+
+/// The vertices of some blocks, with their normals and what counts there.
+fn each_vertex<P: Part>(
+    bricks: &Bricks<P>,
+    crossed: &[Crossed],
+    blocks: Range<usize>,
+    mut add: impl FnMut(&Brick, Vec3, Vec3, &P),
+) {
+    for number in blocks.filter(|&number| crossed[number].count() > 0) {
+        let crossings = Crossings::new(bricks, number as u32);
+        for (direction, cell) in crossed[number].edges() {
+            let (position, normal, part) = crossings.vertex(direction, cell);
+            add(&bricks.leaves[number], position, normal, part);
+        }
+    }
+}
+
+/// The triangles of some blocks.
+fn triangles<P: Part>(bricks: &Bricks<P>, crossed: &[Crossed], blocks: Range<usize>) -> Vec<[u32; 3]> {
+    let cases = &CASES[..];
+    let mut triangles = Vec::new();
+    for number in blocks {
+        Surroundings::new(bricks, number as u32).triangles(cases, crossed, &mut triangles);
+    }
+    triangles
+}
+
+/// Has threads make parts of `group` blocks each, and joins the parts in the blocks' order, so many at a time, while the next
+/// are made.
+fn in_groups<T: Send>(
+    count: usize,
+    (group, held): (usize, usize),
+    make: impl Fn(Range<usize>) -> T + Sync + Send,
+    mut join: impl FnMut(T) + Send,
+) {
+    let mut made = Vec::new();
+    for start in (0..count).step_by(group * held) {
+        let groups = (count - start).div_ceil(group).min(held);
+        let next = || {
+            parallel::map(groups, |i| {
+                let first = start + i * group;
+                make(first..(first + group).min(count))
+            })
+        };
+        (made, ()) = parallel::join(next, || made.into_iter().for_each(&mut join));
+    }
+    made.into_iter().for_each(join);
 }

@@ -1,6 +1,6 @@
 //! A closed mesh of any [`BlobTree`].
 
-use super::{FINEST, polygonize};
+use super::{FINEST, Finish, polygonize};
 use crate::ParameterError;
 use crate::surface::blob::BlobTree;
 use crate::surface::{Mesh, SurfaceError};
@@ -72,7 +72,8 @@ impl Polygonizer {
         ParameterError::unless(holds, "Polygonizer.voxel", voxel, &range)?;
         let holds = (1..=100_000_000).contains(&self.most_blocks);
         ParameterError::unless(holds, "Polygonizer.most_blocks", self.most_blocks, "1 to 100 million")?;
-        polygonize(tree, voxel, self.most_blocks, self.colors)
+        let finish = if self.colors { Finish::Colored } else { Finish::Plain };
+        polygonize(tree, voxel, self.most_blocks, finish)
     }
 }
 

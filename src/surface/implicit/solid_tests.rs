@@ -1,8 +1,8 @@
 //! The polygonizer on solids whose surfaces are known.
 
-use super::polygonize;
 use super::solid::{Coverage, Part, Solid};
 use super::tests::{euler, volume};
+use super::{Finish, polygonize};
 use crate::surface::{Mesh, SurfaceError};
 use crate::{Bounds, math};
 use glam::Vec3;
@@ -110,7 +110,7 @@ impl Part for Piece {
 /// The mesh, after a check that it is closed, a manifold of that Euler characteristic, and its vertices within half a
 /// voxel of the surface.
 fn sound(form: &Form, voxel: f32, characteristic: i64) -> Mesh {
-    let mesh = polygonize(form, voxel, 100_000, true).expect("a surface");
+    let mesh = polygonize(form, voxel, 100_000, Finish::Colored).expect("a surface");
     assert_eq!(euler(&mesh), Ok(characteristic), "{form:?}");
     for (&position, &normal) in mesh.positions.iter().zip(&mesh.normals) {
         let (value, slope) = form.at(position);
@@ -147,7 +147,7 @@ fn voxels_are_as_fine_as_the_detail() {
         .collect();
     let finest = balls[5].1 / 8.0;
     let form = Form::Balls(balls.clone());
-    let mesh = polygonize(&form, finest, 100_000, false).expect("a surface");
+    let mesh = polygonize(&form, finest, 100_000, Finish::Plain).expect("a surface");
     assert_eq!(euler(&mesh), Ok(12));
     assert!(mesh.colors.is_empty());
     for (middle, radius) in balls {
@@ -159,9 +159,9 @@ fn voxels_are_as_fine_as_the_detail() {
 #[test]
 fn limits_and_nothing() {
     let ball = Form::Balls(vec![(Vec3::ZERO, 1.0)]);
-    let error = polygonize(&ball, 0.01, 50, false).expect_err("fifty are not enough");
+    let error = polygonize(&ball, 0.01, 50, Finish::Plain).expect_err("fifty are not enough");
     assert_eq!(error, SurfaceError::TooManyBlocks { voxel: 0.01, most: 50 });
-    assert!(polygonize(&Form::Balls(Vec::new()), 0.1, 50, false).expect("nothing").is_empty());
+    assert!(polygonize(&Form::Balls(Vec::new()), 0.1, 50, Finish::Plain).expect("nothing").is_empty());
 }
 
 #[cfg(feature = "parallel")]
@@ -170,7 +170,7 @@ fn threads_change_nothing() {
     let form = Form::Torus { radius: 0.7, thickness: 0.2 };
     let [one, two, five] = [1, 2, 5].map(|threads| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("threads");
-        pool.install(|| polygonize(&form, 0.03, 10_000, true)).expect("a surface")
+        pool.install(|| polygonize(&form, 0.03, 10_000, Finish::Colored)).expect("a surface")
     });
     assert!(one == two && two == five);
 }
@@ -186,7 +186,7 @@ proptest! {
         voxel in 0.004f32..0.05,
     ) {
         let form = Form::Balls(balls);
-        let mesh = polygonize(&form, voxel, 200_000, false).expect("a surface");
+        let mesh = polygonize(&form, voxel, 200_000, Finish::Plain).expect("a surface");
         prop_assert!(euler(&mesh).map_err(TestCaseError::fail)? % 2 == 0);
         for &position in &mesh.positions {
             prop_assert!(form.at(position).0.abs() < 0.05, "{}", position);

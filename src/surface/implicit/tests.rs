@@ -81,8 +81,22 @@ proptest! {
     }
 
     #[test]
-    fn any_skeleton_has_a_closed_mesh_or_a_named_error(skeleton in any_skeleton(40, 3.0, |scale, part| scale * math::powf(10.0, -2.5 * part)), blend in 0.01f32..2.0) {
-        match Implicit::default().with_most_blocks(3000).with_blend(blend).mesh(&skeleton) {
+    fn forks_of_longer_triangles_are_closed_and_near(
+        radius in 0.004f32..0.1, angle in 0.3f32..2.8, detail in 1.0f32..6.0, error in 0.02f32..0.25,
+    ) {
+        let (skeleton, plain) = (fork(radius, angle), Implicit::default().with_detail(detail));
+        let mesh = plain.clone().with_error(error).mesh(&skeleton).expect("a surface");
+        prop_assert_eq!(euler(&mesh), Ok(2));
+        let all = plain.mesh(&skeleton).expect("a surface");
+        prop_assert!(mesh.positions.len() < all.positions.len());
+        let mut left = all.positions.iter().zip(&all.normals);
+        prop_assert!(mesh.positions.iter().zip(&mesh.normals).all(|vertex| left.any(|v| v == vertex)));
+    }
+
+    #[test]
+    fn any_skeleton_has_a_closed_mesh_or_a_named_error(skeleton in any_skeleton(40, 3.0, |scale, part| scale * math::powf(10.0, -2.5 * part)), blend in 0.01f32..2.0, error in 0.0f32..0.25) {
+        match Implicit::default()
+            .with_most_blocks(3000).with_blend(blend).with_error(error).mesh(&skeleton) {
             Ok(mesh) => { prop_assert!(euler(&mesh).map_err(TestCaseError::fail)? % 2 == 0); }
             Err(error) => prop_assert!(matches!(error,
                 SurfaceError::NoRadii { .. } | SurfaceError::TooManyBlocks { .. }), "{error}"),
@@ -138,7 +152,7 @@ fn whole(field: &Field) -> Felt<'_> {
 fn the_gradient_is_the_differences_and_the_normals() {
     let skeleton = fork(0.06, 1.0);
     let (field, voxel) = Implicit::default().field(&skeleton).expect("sound");
-    let mesh = polygonize(&&field, voxel, 10_000, false).expect("a mesh");
+    let mesh = polygonize(&&field, voxel, 10_000, Finish::Plain).expect("a mesh");
     let all = whole(&field);
     for (&position, &normal) in mesh.positions.iter().zip(&mesh.normals) {
         let (value, slope) = all.gradient(position);
@@ -182,6 +196,48 @@ fn blocks_are_as_dense_as_the_whole_field() {
     }
 }
 
+/// Long twigs in several patches, at all sizes of voxels.
+#[test]
+fn longer_triangles_are_few_and_near() {
+    let mut points = vec![Vec3::ZERO, Vec3::Y * 3.0];
+    for i in 0..40 {
+        let (sin, cos) = math::sin_cos(i as f32);
+        points.push(Vec3::new(cos, 3.5 + i as f32 * 0.05, sin));
+    }
+    let parents = (0..points.len()).map(|i| if i == 0 { None } else { Some(u32::from(i > 1)) }).collect();
+    let radii = (0..points.len()).map(|i| if i < 2 { 0.1 } else { 0.004 + i as f32 * 1e-4 }).collect();
+    let skeleton = Skeleton::new(points, parents).and_then(|s| s.with_radii(radii)).expect("sound");
+    let surface = Implicit::default().with_detail(1.5);
+    let (field, voxel) = surface.field(&skeleton).expect("sound");
+    let [plain, mesh] =
+        [0.0, 0.1].map(|error| surface.clone().with_error(error).mesh(&skeleton).expect("a surface"));
+    assert!(Bricks::new(&&field, voxel, 1_000_000).expect("blocks").leaves.len() > 3 * march::PATCH);
+    assert_eq!(euler(&mesh), euler(&plain));
+    assert!(
+        mesh.positions.len() * 3 < plain.positions.len(),
+        "{} {}",
+        mesh.positions.len(),
+        plain.positions.len()
+    );
+    // Middles of triangles: in voxels as fine as the radius there.
+    let all = whole(&field);
+    let off = |mesh: &Mesh| {
+        let middles =
+            mesh.triangles().map(|t| t.map(|i| mesh.positions[i as usize]).iter().sum::<Vec3>() / 3.0);
+        let mut off: Vec<f32> = middles
+            .map(|middle| {
+                let (value, slope) = all.gradient(middle);
+                value.abs() / slope.length()
+            })
+            .collect();
+        off.sort_by(f32::total_cmp);
+        [off[off.len() / 2], off[off.len() * 99 / 100], off[off.len() - 1]].map(|off| off / voxel)
+    };
+    let ([_, most_of, worst], [_, most_of_plain, worst_of_plain]) = (off(&mesh), off(&plain));
+    assert!(most_of < most_of_plain + 0.05, "{most_of} {most_of_plain}");
+    assert!(worst < worst_of_plain * 1.1, "{worst} {worst_of_plain}");
+}
+
 #[test]
 fn a_thousand_children_and_turning_back_are_no_trouble() {
     let mut points = vec![Vec3::ZERO, Vec3::Y];
@@ -216,6 +272,9 @@ fn faults_are_named() {
             matches!(Implicit::default().with_voxel(bad).mesh(&pole), Err(SurfaceError::Parameter(_))),
             "{bad}"
         );
+    }
+    for bad in [-1.0, f32::NAN, f32::INFINITY, 65.0] {
+        assert!(matches!(Implicit::default().with_error(bad).mesh(&pole), Err(SurfaceError::Parameter(_))));
     }
     for bad in [0.0, -1.0, f32::NAN, f32::INFINITY, 65.0] {
         assert!(matches!(Implicit::default().with_detail(bad).mesh(&pole), Err(SurfaceError::Parameter(_))));

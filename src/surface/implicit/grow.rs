@@ -1,0 +1,206 @@
+//! Growth of the octree: cubes are split until they are empty or fine enough.
+
+use super::brick::{Brick, Bricks, Node, Packed, octant};
+use super::solid::{Coverage, Part, Solid};
+use crate::Bounds;
+use crate::parallel;
+use glam::{IVec3, Vec3};
+use std::sync::atomic::{AtomicUsize, Ordering};
+
+/// By so many voxels a block's cube is larger on each side: it holds the middles of all voxels that share a face with it and
+/// are not larger, rounding included. It lies within that of a block of twice the size.
+const MARGIN: f32 = 0.53;
+
+/// Cubes are split level by level until there are so many; from there on each grows on its own, so that what counts in a
+/// cube is at hand where its children are looked at.
+const MANY: usize = 512;
+/// Cubes that one thread takes at a time.
+const GROUP: usize = 8;
+
+/// Where voxels are.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Grid {
+    pub(super) origin: Vec3,
+    /// The side of the finest, metres.
+    pub(super) voxel: f32,
+}
+
+/// A cube of the octree still to be looked at.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Cube {
+    pub(super) node: u32,
+    pub(super) corner: IVec3,
+    pub(super) level: u8,
+    /// Which part has all that counts here.
+    pub(super) of: usize,
+}
+
+/// What grew below some cubes. Nodes, blocks and parts are numbered from 0 on.
+struct Grown<P> {
+    nodes: Vec<Packed>,
+    leaves: Vec<Brick>,
+    parts: Vec<P>,
+    /// What became of the cubes' own nodes.
+    roots: Vec<(u32, Packed)>,
+    /// Cubes that were split.
+    split: Vec<(IVec3, u8)>,
+    /// Cubes not yet looked at, and what counts there.
+    rest: Vec<Cube>,
+    of: Vec<P>,
+}
+
+/// What one look at a cube says.
+enum Look<P> {
+    Empty(bool),
+    /// Smaller voxels are needed.
+    Split(P),
+    Brick(P),
+}
+
+impl<P: Part> Bricks<P> {
+    /// Splits cubes until they are empty or fine enough; returns those that were split, or nothing if that makes more than
+    /// `most` blocks, all told.
+    pub(super) fn grow(
+        &mut self,
+        solid: &impl Solid<Part = P>,
+        most: usize,
+        mut cubes: Vec<Cube>,
+        mut of: Vec<P>,
+        parts: &mut Vec<Option<P>>,
+    ) -> Option<Vec<(IVec3, u8)>> {
+        let mut split = Vec::new();
+        // Whoever finds that there are too many, the sum says so.
+        let count = AtomicUsize::new(self.leaves.len());
+        while !cubes.is_empty() {
+            let deep = cubes.len() >= MANY;
+            let grown = parallel::map(cubes.len().div_ceil(GROUP), |group| {
+                let mut grown = Grown::default();
+                for cube in &cubes[group * GROUP..cubes.len().min((group + 1) * GROUP)] {
+                    let before = grown.leaves.len();
+                    if count.load(Ordering::Relaxed) <= most {
+                        let root = self.grid.below(solid, cube, of.get(cube.of), deep, &mut grown);
+                        grown.roots.push((cube.node, root));
+                    }
+                    count.fetch_add(grown.leaves.len() - before, Ordering::Relaxed);
+                }
+                grown
+            });
+            (cubes, of) = (Vec::new(), Vec::new());
+            if count.load(Ordering::Relaxed) > most {
+                return None;
+            }
+            for grown in grown {
+                let (nodes, leaves) = (self.nodes.len() as u32, self.leaves.len() as u32);
+                let moved = |node: Packed| match node.node() {
+                    Node::Inner(first) => Node::Inner(first + nodes).into(),
+                    Node::Brick(number) => Node::Brick(number + leaves).into(),
+                    Node::Empty(_) => node,
+                };
+                if self.nodes.len() + grown.nodes.len() >= Packed::MOST {
+                    return None;
+                }
+                self.nodes.extend(grown.nodes.into_iter().map(moved));
+                for (node, root) in grown.roots {
+                    self.nodes[node as usize] = moved(root);
+                }
+                let moved = |cube: Cube| Cube { node: cube.node + nodes, of: cube.of + of.len(), ..cube };
+                cubes.extend(grown.rest.into_iter().map(moved));
+                of.extend(grown.of);
+                self.leaves.extend(grown.leaves);
+                parts.extend(grown.parts.into_iter().map(Some));
+                split.extend(grown.split);
+            }
+        }
+        Some(split)
+    }
+}
+
+impl Grid {
+    /// The side of a voxel, metres.
+    pub(super) fn step(&self, level: u8) -> f32 {
+        self.voxel * (1u32 << level) as f32
+    }
+
+    pub(super) fn place(&self, corner: IVec3) -> Vec3 {
+        self.origin + corner.as_vec3() * self.voxel
+    }
+
+    /// Looks at a cube and, if it goes deep, at what is below it.
+    fn below<P: Part>(
+        &self,
+        solid: &impl Solid<Part = P>,
+        cube: &Cube,
+        of: Option<&P>,
+        deep: bool,
+        grown: &mut Grown<P>,
+    ) -> Packed {
+        let &Cube { corner, level, .. } = cube;
+        let node = match self.look(solid, cube, of) {
+            Look::Empty(inside) => Node::Empty(inside),
+            Look::Brick(part) => {
+                grown.leaves.push(Brick { corner, level, inside: 0 });
+                grown.parts.push(part);
+                Node::Brick(grown.leaves.len() as u32 - 1)
+            }
+            Look::Split(part) => {
+                let first = grown.nodes.len() as u32;
+                grown.nodes.extend([Packed::from(Node::Empty(false)); 8]);
+                grown.split.push((corner, level));
+                let children = cube.children(first, grown.of.len());
+                if deep {
+                    for cube in children {
+                        let node = self.below(solid, &cube, Some(&part), deep, grown);
+                        grown.nodes[cube.node as usize] = node;
+                    }
+                } else {
+                    grown.rest.extend(children);
+                    grown.of.push(part);
+                }
+                Node::Inner(first)
+            }
+        };
+        node.into()
+    }
+
+    fn look<P: Part>(&self, solid: &impl Solid<Part = P>, cube: &Cube, of: Option<&P>) -> Look<P> {
+        let step = self.step(cube.level);
+        let corner = self.place(cube.corner);
+        let bounds = Bounds::new(corner, corner + 4.0 * step).grown(MARGIN * step);
+        let part = match solid.part(of, bounds) {
+            Coverage::Outside => return Look::Empty(false),
+            Coverage::Inside => return Look::Empty(true),
+            Coverage::Crossed(part) => part,
+        };
+        // Nowhere in the cube is the value farther from that in its middle.
+        let value = part.value(bounds.center());
+        if value.abs() > part.lipschitz() * bounds.size().length() * 0.5 {
+            return Look::Empty(value > 0.0);
+        }
+        if cube.level > 0 && step > part.detail() { Look::Split(part) } else { Look::Brick(part) }
+    }
+}
+
+impl Cube {
+    /// Its eight children, whose nodes are those from `first` on.
+    pub(super) fn children(self, first: u32, of: usize) -> [Self; 8] {
+        let level = self.level - 1;
+        std::array::from_fn(|i| {
+            let corner = self.corner + (octant(i as u32) << i32::from(self.level + 1));
+            Self { node: first + i as u32, corner, level, of }
+        })
+    }
+}
+
+impl<P> Default for Grown<P> {
+    fn default() -> Self {
+        Self {
+            nodes: Vec::new(),
+            leaves: Vec::new(),
+            parts: Vec::new(),
+            roots: Vec::new(),
+            split: Vec::new(),
+            rest: Vec::new(),
+            of: Vec::new(),
+        }
+    }
+}
