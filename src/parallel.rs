@@ -35,6 +35,18 @@ pub(crate) fn each_mut<I, T>(items: &mut [I], f: impl Fn(usize, &mut I) -> T) ->
     items.iter_mut().enumerate().map(|(i, item)| f(i, item)).collect()
 }
 
+/// The results of both.
+#[cfg(feature = "parallel")]
+pub(crate) fn both<A: Send, B: Send>(a: impl FnOnce() -> A + Send, b: impl FnOnce() -> B + Send) -> (A, B) {
+    rayon::join(a, b)
+}
+
+/// The results of both.
+#[cfg(not(feature = "parallel"))]
+pub(crate) fn both<A, B>(a: impl FnOnce() -> A, b: impl FnOnce() -> B) -> (A, B) {
+    (a(), b())
+}
+
 /// Handing work to the pool costs some ten microseconds.
 #[cfg(feature = "parallel")]
 fn is_worth_it(tasks: usize) -> bool {

@@ -2,6 +2,7 @@
 
 use super::weave::Plan;
 use super::{Mesh, SurfaceError, Tubes};
+use crate::parallel;
 use crate::{Bounds, ParameterError, Skeleton};
 use std::{iter, mem};
 
@@ -74,7 +75,7 @@ impl Levels {
     /// The levels, finest first; none for a tree without a surface.
     ///
     /// O(nodes) for each try, of which there are two or three a level of a tree of many branches, and the time of each
-    /// mesh.
+    /// mesh. With the feature `parallel` a mesh is made while the next error is looked for.
     ///
     /// # Errors
     /// A count out of range; whatever [`Tubes::mesh`] refuses.
@@ -92,16 +93,19 @@ impl Levels {
         let mut levels: Vec<Level> = Vec::new();
         while let Some((step, plan)) = next {
             let error = errors[step];
-            let mesh = plan.weave(&tubes(error));
+            let after = |triangles| half(step, &errors, triangles / 2, |error| tubes(error).plan(skeleton));
+            let is_last = levels.len() + 1 == self.count as usize;
+            let (mesh, ahead) = parallel::both(
+                || plan.weave(&tubes(error)),
+                || if is_last { Ok(None) } else { after(plan.triangles) },
+            );
             if mesh.is_empty() {
                 break;
             }
-            let most = mesh.triangles().len() / 2;
+            let triangles = mesh.triangles().len();
             levels.push(Level { mesh, error });
-            if levels.len() == self.count as usize {
-                break;
-            }
-            next = half(step, &errors, most, |error| tubes(error).plan(skeleton))?;
+            // Triangles that rounding has left without area were not known ahead.
+            next = if is_last || triangles == plan.triangles { ahead? } else { after(triangles)? };
         }
         Ok(levels)
     }

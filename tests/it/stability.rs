@@ -6,7 +6,7 @@ use std::fmt::Write as _;
 use treesynth::glam::{Vec2, Vec3, Vec4};
 use treesynth::guided::{Edges, GradedYao, Graph, Lattice, NearSurface, PointCloud, PoissonYao};
 use treesynth::shape::{Cuboid, HalfEllipsoid};
-use treesynth::surface::{Implicit, Mesh, Tubes};
+use treesynth::surface::{Implicit, Levels, Mesh, Tubes};
 use treesynth::{GraphBuilder, Silent, Skeleton, presets};
 
 fn of_positions(positions: &[Vec3]) -> impl Iterator<Item = u8> {
@@ -198,7 +198,7 @@ fn mesh_hash(mesh: &Mesh) -> u64 {
     )
 }
 
-/// Vertices are computed in fours, and branches may be woven in parallel.
+/// Vertices are computed in fours, and levels made while the next one is looked for.
 #[test]
 fn tubes_are_the_same_as_ever() {
     let tree = presets::by_name("figure-18").expect("a preset").synth(30_000).synthesize(1).expect("a tree");
@@ -212,6 +212,12 @@ fn tubes_are_the_same_as_ever() {
         all_the_same(&hashes, "the tubes");
         assert_eq!(hashes[0], pinned, "another mesh: {:#x}", hashes[0]);
     }
+    let levels = || {
+        let levels = Levels::default().of(&tree).expect("levels");
+        let hashes = levels.iter().map(|level| mesh_hash(&level.mesh) ^ u64::from(level.error.to_bits()));
+        fnv1a(hashes.flat_map(u64::to_le_bytes))
+    };
+    all_the_same(&at_thread_counts(levels), "the levels");
 }
 
 /// Blocks are made and marched in parallel, and joined in order.
