@@ -1,8 +1,9 @@
-//! The surface of a tree at 8 sides, one thread: milliseconds, and vertices a second.
+//! The surface of a tree at 8 sides: milliseconds, and vertices a second.
 
 mod measure;
 
 use measure::{PRESET, SEED, Samples, count, number, print_table};
+use rayon::ThreadPoolBuilder;
 use treesynth::surface::{Capsules, Levels, Tubes};
 
 /// Nodes of the graph: four times the typical number, for about 16,000 segments.
@@ -10,9 +11,12 @@ const NODES: usize = 600_000;
 /// What is wanted of so many segments at 8 sides, milliseconds. Time grows with the segments.
 const GOAL: f64 = 15.0;
 const GOAL_SEGMENTS: f64 = 21_000.0;
+/// What is measured on two threads too.
+const TWO: &str = "levels, two threads";
 
 fn main() {
     measure::single_thread();
+    let two = ThreadPoolBuilder::new().num_threads(2).build().expect("threads can be started");
     let mut criterion = measure::criterion();
     let tree = measure::tree(measure::size(NODES, 10_000)).synthesize(SEED).expect("the preset grows");
     let tree = tree.relaxed(0.5, 3).expect("sound options");
@@ -37,7 +41,11 @@ fn main() {
         drop(mesh);
         group.bench_function(*name, |bencher| samples.time(bencher, name, || tubes.mesh(&tree)));
     }
-    group.bench_function("levels", |bencher| samples.time(bencher, "levels", || Levels::default().of(&tree)));
+    let levels = Levels::default();
+    group.bench_function("levels", |bencher| samples.time(bencher, "levels", || levels.of(&tree)));
+    group.bench_function(TWO, |bencher| {
+        samples.time(bencher, TWO, || two.install(|| levels.of(&tree)));
+    });
     group.bench_function("capsules", |bencher| {
         samples.time(bencher, "capsules", || Capsules::default().of(&tree));
     });
@@ -46,9 +54,10 @@ fn main() {
 
     let scale = GOAL_SEGMENTS / tree.segments() as f64;
     let mut rows = Vec::new();
-    let names = ["copy"].into_iter().chain(cases.iter().map(|(name, _)| *name)).chain(["levels", "capsules"]);
+    let names =
+        ["copy"].into_iter().chain(cases.iter().map(|(name, _)| *name)).chain(["levels", TWO, "capsules"]);
     // The copy is one of the first mesh.
-    let sizes = sizes.first().into_iter().chain(&sizes).map(Some).chain([None, None]);
+    let sizes = sizes.first().into_iter().chain(&sizes).map(Some).chain([None; 3]);
     for (name, size) in names.zip(sizes) {
         let Some(time) = samples.median(name) else { continue };
         let mut row = vec![name.to_owned(), number(time), number(time * scale), number(time * scale / GOAL)];
@@ -61,7 +70,10 @@ fn main() {
         rows.push(row);
     }
     print_table(
-        &format!("Preset {PRESET}, {} segments, one thread, medians:", count(tree.segments())),
+        &format!(
+            "Preset {PRESET}, {} segments, one thread but where it is said, medians:",
+            count(tree.segments())
+        ),
         &["", "ms", "ms for 21,000", "... / goal", "vertices", "triangles", "million vertices a second"],
         &rows,
     );

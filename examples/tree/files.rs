@@ -14,20 +14,23 @@ use treesynth::surface::Part;
 pub(crate) const FORMATS: [&str; 9] =
     ["glb", "nodes.glb", "obj", "ply", "stl", "svg", "png", "json", "relaxed.json"];
 
-/// Writes the tree into a folder in one of the [`FORMATS`].
+/// Writes the tree into a folder in one of the [`FORMATS`]; its finest level alone where there can be no others.
 pub(crate) fn write(
     format: &str,
     folder: &Path,
     preset: &Preset,
     skeleton: &Skeleton,
-    parts: &[Part<'_>],
+    levels: &[Vec<Part<'_>>],
 ) -> Result<(), Failure> {
+    let parts = &levels[0];
     let file = |extension: &str| format!("{}.{extension}", preset.name);
     create(&folder.join(file(format)), |writer| {
         let glb = GlbOptions::default().with_name(preset.name);
         match format {
-            "glb" => export::write_glb_parts(parts, &glb, writer)?,
-            "nodes.glb" => export::write_glb_parts(parts, &glb.with_instancing(Instancing::Nodes), writer)?,
+            "glb" => export::write_glb_levels(levels, &glb, writer)?,
+            "nodes.glb" => {
+                export::write_glb_levels(levels, &glb.with_instancing(Instancing::Nodes), writer)?;
+            }
             "obj" => export::write_obj(parts, &file("mtl"), writer)?,
             "ply" => export::write_ply(parts, PlyFormat::Binary, writer)?,
             "stl" => export::write_stl(parts, writer)?,

@@ -3,16 +3,16 @@
 //!     cargo run --release --example tree -- --preset fine-oak --seed 7 --out out
 
 mod files;
+mod levels;
 mod options;
 mod stats;
 mod watch;
 
-use options::{Options, Surface};
+use options::Options;
 use std::fs;
 use std::time::Instant;
-use treesynth::foliage::Leaves;
 use treesynth::guided::Search;
-use treesynth::surface::{Implicit, Mesh, Part, Tubes};
+use treesynth::surface::Part;
 use treesynth::{Metrics, presets};
 
 type Failure = Box<dyn std::error::Error>;
@@ -51,42 +51,47 @@ fn run(options: &Options) -> Result<(), Failure> {
 
     let skeleton = &growth.skeleton;
     let relaxed = skeleton.relaxed(0.5, 3)?;
-    let mut bark = Mesh::default();
+    let mut barks = Vec::new();
     step("mesh", &mut || {
-        bark = match options.surface {
-            Surface::Tubes => Tubes::default().mesh(&relaxed)?,
-            Surface::Implicit => Implicit::default().with_detail(options.detail).mesh(&relaxed)?,
-        };
+        barks = levels::barks(options, &relaxed)?;
         Ok(())
     })?;
-    let mut leaves = None;
+    let (mut leaves, mut instances) = (None, Vec::new());
     step("leaves", &mut || {
         let foliage = preset.foliage(options.season);
         leaves = foliage.map(|foliage| foliage.place(&relaxed, seed)).transpose()?;
+        instances.extend(
+            leaves.iter().flat_map(|leaves| (0..barks.len()).map(|level| levels::thinned(leaves, level))),
+        );
         Ok(())
     })?;
-    let bark = Part::new(&bark).with_material(preset.bark());
-    let parts: Vec<_> = [bark].into_iter().chain(leaves.as_ref().map(Leaves::part)).collect();
+    let parts = |(level, bark): (usize, _)| {
+        let bark = Part::new(bark).with_material(preset.bark());
+        let leaves = leaves.as_ref().map(|leaves| leaves.part().with_instances(&instances[level]));
+        [bark].into_iter().chain(leaves).collect()
+    };
+    let levels: Vec<Vec<_>> = barks.iter().enumerate().map(parts).collect();
     for format in &options.formats {
         let skeleton = if format == "relaxed.json" { &relaxed } else { skeleton };
-        step(format, &mut || files::write(format, &options.out, preset, skeleton, &parts))?;
+        step(format, &mut || files::write(format, &options.out, preset, skeleton, &levels))?;
     }
 
     let metrics = Metrics::of(skeleton);
     let endpoints: Vec<usize> = growth.endpoints.iter().map(Vec::len).collect();
     if let Some(path) = &options.stats {
-        let stats = stats::stats(preset.name, seed, &graph, skeleton, &endpoints, &steps, &metrics, &parts)?;
+        let stats = stats::stats(preset.name, seed, &graph, skeleton, &endpoints, &steps, &metrics, &levels)?;
         files::create(path, |writer| Ok(serde_json::to_writer_pretty(writer, &stats)?))?;
     }
     let milliseconds: f64 = steps.iter().map(|(_, time)| time.as_secs_f64() * 1e3).sum();
     println!(
-        "{}, seed {seed}: {} nodes, {} endpoints, {} segments, {} tips, {} leaves, {:.1} m tall, {:.1} m wide, {milliseconds:.0} ms -> {}",
+        "{}, seed {seed}: {} nodes, {} endpoints, {} segments, {} tips, {} leaves, {} triangles, {:.1} m tall, {:.1} m wide, {milliseconds:.0} ms -> {}",
         preset.name,
         graph.nodes(),
         endpoints.iter().sum::<usize>(),
         skeleton.segments(),
         metrics.tips,
         leaves.as_ref().map_or(0, |leaves| leaves.instances.len()),
+        levels.iter().map(|level| levels::triangles(level).to_string()).collect::<Vec<_>>().join(" / "),
         metrics.height,
         metrics.crown_width,
         options.out.join(format!("{}.{{{}}}", preset.name, options.formats.join(","))).display(),

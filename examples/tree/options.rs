@@ -17,6 +17,9 @@ cargo run --release --example tree -- [OPTIONS]
   --season TIME   winter (no leaves), summer or autumn         [summer]
   --surface KIND  tubes, with collars, or implicit: one closed mesh  [tubes]
   --detail N      voxels a radius of the closed mesh, 0.867 to 64    [1]
+  --levels N      levels of detail in the .glb (MSFT_lod), 1 to 8, of at most
+                  half the triangles each; the finest is what else is written.
+                  For tubes; more than one start at an error of 1 mm  [1]
   --format LIST   of glb, nodes.glb (leaves as nodes, for what knows no
                   instances), obj, ply, stl, svg, png, json, relaxed.json
                   (the skeleton of the surface)                [glb,png,json]
@@ -41,6 +44,7 @@ pub(crate) struct Options {
     pub(crate) season: Season,
     pub(crate) surface: Surface,
     pub(crate) detail: f32,
+    pub(crate) levels: u32,
     pub(crate) formats: Vec<String>,
     pub(crate) threads: Option<usize>,
     pub(crate) out: PathBuf,
@@ -57,6 +61,7 @@ impl Options {
             season: Season::Summer,
             surface: Surface::Tubes,
             detail: 1.0,
+            levels: 1,
             formats: ["glb", "png", "json"].map(String::from).to_vec(),
             threads: None,
             out: "out".into(),
@@ -71,6 +76,7 @@ impl Options {
                 Long("season") => options.season = season(&arguments.value()?.string()?)?,
                 Long("surface") => options.surface = surface(&arguments.value()?.string()?)?,
                 Long("detail") => options.detail = arguments.value()?.parse()?,
+                Long("levels") => options.levels = levels(&arguments.value()?.string()?)?,
                 Long("format") => {
                     options.formats = arguments.value()?.string()?.split(',').map(String::from).collect();
                     if let Some(other) = options.formats.iter().find(|f| !FORMATS.contains(&f.as_str())) {
@@ -100,6 +106,10 @@ impl Options {
                 other => return Err(other.unexpected().into()),
             }
         }
+        if options.levels > 1 && matches!(options.surface, Surface::Implicit) {
+            let levels = options.levels;
+            return Err(format!("--levels is {levels}, but must be 1 with --surface implicit").into());
+        }
         Ok(Some(options))
     }
 }
@@ -110,6 +120,14 @@ fn surface(name: &str) -> Result<Surface, String> {
         "implicit" => Ok(Surface::Implicit),
         _ => Err(format!("--surface is {name:?}, but must be tubes or implicit")),
     }
+}
+
+fn levels(number: &str) -> Result<u32, String> {
+    number
+        .parse()
+        .ok()
+        .filter(|levels| (1..=8).contains(levels))
+        .ok_or_else(|| format!("--levels is {number:?}, but must be in [1, 8]"))
 }
 
 fn season(name: &str) -> Result<Season, String> {

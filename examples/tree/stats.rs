@@ -1,5 +1,6 @@
 //! Figures of a run as JSON.
 
+use crate::levels::triangles;
 use crate::watch::Steps;
 use serde_json::{Map, Value, json};
 use treesynth::guided::Graph;
@@ -15,11 +16,11 @@ pub(crate) fn stats(
     endpoints: &[usize],
     steps: &Steps,
     metrics: &Metrics,
-    parts: &[Part<'_>],
+    levels: &[Vec<Part<'_>>],
 ) -> serde_json::Result<Value> {
     let milliseconds: Map<String, Value> =
         steps.iter().map(|(name, time)| (name.clone(), json!(time.as_secs_f64() * 1e3))).collect();
-    let parts: Map<String, Value> = parts
+    let parts: Map<String, Value> = levels[0]
         .iter()
         .map(|part| {
             let counts = json!({
@@ -39,6 +40,7 @@ pub(crate) fn stats(
         "endpoints_by_stage": endpoints,
         "segments": skeleton.segments(),
         "parts": parts,
+        "triangles_by_level": levels.iter().map(|level| triangles(level)).collect::<Vec<_>>(),
         "milliseconds": milliseconds,
         "peak_memory_bytes": peak_memory(),
         "metrics": serde_json::to_value(metrics)?,

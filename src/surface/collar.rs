@@ -2,8 +2,9 @@
 
 use super::axis::{Axes, Axis, Station};
 use super::circle::Circles;
+use super::lanes::{LANES, Lanes};
 use crate::math::{atan2, parallel_transport};
-use glam::Vec3;
+use glam::{Vec3, Vec4};
 use std::f32::consts::TAU;
 
 /// How far the foot of a collar reaches beyond the branch, in radii of the branch, for rings of so many sides and more;
@@ -36,30 +37,35 @@ pub(super) struct Collar {
     bearing: (usize, usize),
 }
 
-/// The curve of one vertex.
-#[derive(Debug, Clone, Copy, Default)]
-pub(super) struct Curve {
-    pub(super) points: [Vec3; 3],
-    /// The bearer's normals at the foot and at the inner control point.
-    normals: [Vec3; 2],
+/// The curves of four neighbouring vertices.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Curves {
+    points: [Lanes; 3],
+    /// The bearer's normals at the feet and at the inner control points.
+    normals: [Lanes; 2],
 }
 
-impl Curve {
-    pub(super) fn point(&self, t: f32) -> Vec3 {
+impl Curves {
+    pub(super) fn point(&self, t: f32) -> Lanes {
         let [a, b, c] = self.points;
         a.lerp(b, t).lerp(b.lerp(c, t), t)
     }
 
-    /// The bearer's normal below the point.
-    pub(super) fn normal(&self, t: f32) -> Vec3 {
+    /// The bearer's normals below the points.
+    pub(super) fn normal(&self, t: f32) -> Lanes {
         let [foot, inner] = self.normals;
         inner.lerp(foot, (1.0 - t) * (1.0 - t))
     }
 
-    /// The direction in which it goes on, of no particular length.
-    pub(super) fn direction(&self, t: f32) -> Vec3 {
+    /// The directions in which they go on, of no particular length.
+    pub(super) fn direction(&self, t: f32) -> Lanes {
         let [a, b, c] = self.points;
         (b - a).lerp(c - b, t)
+    }
+
+    /// Where they end, in the first level ring.
+    pub(super) fn rim(&self) -> Lanes {
+        self.points[2]
     }
 }
 
@@ -104,8 +110,8 @@ impl Collar {
         None
     }
 
-    /// The curve of each vertex of a ring.
-    pub(super) fn curves(&self, axes: &Axes, circles: &Circles, sides: u32, curves: &mut Vec<Curve>) {
+    /// The curve of each vertex of a ring, the last group of four filled up with the first vertex.
+    pub(super) fn curves(&self, axes: &Axes, circles: &Circles, sides: u32, curves: &mut Vec<Curves>) {
         let end = &self.end;
         let bearer = Bearer::new(axes, circles, self.bearing);
         let here = &bearer.stations[bearer.place];
@@ -113,38 +119,53 @@ impl Collar {
         let normal = parallel_transport(end.tangent, direction, end.normal);
         let binormal = direction.cross(normal);
         let end_binormal = end.tangent.cross(end.normal);
-        let level = |v: Vec3| v - here.tangent * v.dot(here.tangent);
-        let slope = level(direction);
+        let slope = direction - here.tangent * direction.dot(here.tangent);
         let a = slope.length_squared();
         let thickness = end.radius.min(THICKEST * here.radius);
         let flare = FLARE * thickness * ((sides as f32 - 3.0) / (FLARE_SIDES - 3.0)).clamp(0.2, 1.0);
         // The edges of the foot cut through the bearer's round.
         let edge = TAU / sides as f32 * (thickness + flare);
         let sunk = SUNK * thickness + (edge * edge / (8.0 * here.radius)).min(0.5 * thickness);
-        // Where the line from a point inside of the bearer comes out.
-        let exit = |point: Vec3| {
-            let flat = level(point);
+
+        let each = Vec4::splat;
+        let [direction, slope, normal, binormal] = [direction, slope, normal, binormal].map(Lanes::splat);
+        let [tangent, here_normal, here_binormal] =
+            [here.tangent, here.normal, bearer.binormal].map(Lanes::splat);
+        let level = |v: Lanes| v - tangent * v.dot(tangent);
+        // Where the lines from points inside of the bearer come out.
+        let exit = |points: Lanes| {
+            let flat = level(points);
             let b = flat.dot(slope);
-            let c = flat.length_squared() - here.radius * here.radius;
-            point + direction * ((-b + (b * b - a * c).max(0.0).sqrt()) / a)
+            let c = flat.dot(flat) - each(here.radius * here.radius);
+            points + direction * ((-b + (b * b - each(a) * c).max(Vec4::ZERO).sqrt()) / each(a))
         };
-        let center = exit(Vec3::ZERO);
+        let center = exit(Lanes::default());
         curves.clear();
-        for &[cos, sin] in circles.of(sides) {
-            let point = exit((normal * cos + binormal * sin) * thickness);
-            let radial = level(point) / here.radius;
-            let outward = point - center;
-            let outward = (outward - radial * outward.dot(radial)).normalize_or_zero() * flare;
-            let height = point.dot(here.tangent);
-            let turn = atan2(point.dot(bearer.binormal), point.dot(here.normal));
-            let (inner, inner_normal) = bearer.surface(height, turn);
+        for &[cos, sin] in &circles.of(sides).fours {
+            let points = exit((normal * cos + binormal * sin) * each(thickness));
+            let radial = level(points);
+            let radial = Lanes {
+                x: radial.x / each(here.radius),
+                y: radial.y / each(here.radius),
+                z: radial.z / each(here.radius),
+            };
+            let outward = points - center;
+            let outward = (outward - radial * outward.dot(radial)).normalize_or(Lanes::default) * each(flare);
+            let heights = points.dot(tangent);
+            let (y, x) = (points.dot(here_binormal), points.dot(here_normal));
+            let turns = Vec4::from_array(std::array::from_fn(|lane| atan2(y[lane], x[lane])));
+            let (inner, inner_normals) = bearer.surface(heights, turns);
             // Along the bearer's round, not off along its tangent.
-            let turn = turn + outward.dot(here.tangent.cross(radial)) / here.radius;
-            let (foot, foot_normal) = bearer.surface(height + outward.dot(here.tangent), turn);
-            let rim = end.position + (end.normal * cos + end_binormal * sin) * end.radius;
-            curves.push(Curve {
-                points: [foot - foot_normal * sunk, inner, rim],
-                normals: [foot_normal, inner_normal],
+            let turns = turns + outward.dot(tangent.cross(radial)) / each(here.radius);
+            let (feet, foot_normals) = bearer.surface(heights + outward.dot(tangent), turns);
+            let rim = Lanes::splat(end.normal) * cos + Lanes::splat(end_binormal) * sin;
+            curves.push(Curves {
+                points: [
+                    feet - foot_normals * each(sunk),
+                    inner,
+                    Lanes::splat(end.position) + rim * each(end.radius),
+                ],
+                normals: [foot_normals, inner_normals],
             });
         }
     }
@@ -157,6 +178,8 @@ struct Bearer<'a> {
     place: usize,
     /// Of that station.
     binormal: Vec3,
+    /// How far the stations below and above it are, metres.
+    next: [f32; 2],
     circle: &'a [[f32; 2]],
 }
 
@@ -165,22 +188,30 @@ impl<'a> Bearer<'a> {
         let axis = &axes.all[axis];
         let range = axis.stations.clone();
         let here = axes.stations[place];
+        let place = place - range.start;
+        let stations = &axes.stations[range];
+        let distance = |to: usize| stations.get(to).map_or(0.0, |next| next.position.distance(here.position));
         Self {
-            place: place - range.start,
-            stations: &axes.stations[range],
+            place,
+            stations,
+            next: [distance(place.wrapping_sub(1)), distance(place + 1)],
             binormal: here.tangent.cross(here.normal),
-            circle: circles.of(axis.sides),
+            circle: &circles.of(axis.sides).corners,
         }
     }
 
     /// The stations below and above a height above the node, metres, and the part of the way between them.
+    #[inline]
     fn around(&self, height: f32) -> (&'a Station, &'a Station, f32) {
         let (mut from, mut rest) = (self.place, height.abs());
+        let mut length = self.next[usize::from(height >= 0.0)];
         loop {
             let here = &self.stations[from];
             let to = if height < 0.0 { from.wrapping_sub(1) } else { from + 1 };
             let Some(next) = self.stations.get(to) else { return (here, here, 0.0) };
-            let length = here.position.distance(next.position);
+            if from != self.place {
+                length = here.position.distance(next.position);
+            }
             if rest < length {
                 return (here, next, rest / length);
             }
@@ -188,20 +219,26 @@ impl<'a> Bearer<'a> {
         }
     }
 
-    /// The point of the bearer's triangles at a height above the node, metres, and an angle from the beginning of its
-    /// ring, radians; and the normal there.
-    fn surface(&self, height: f32, turn: f32) -> (Vec3, Vec3) {
-        let (from, to, t) = self.around(height);
+    /// The points of the bearer's triangles at heights above the node, metres, and angles from the beginning of its
+    /// ring, radians; and the normals there.
+    fn surface(&self, heights: Vec4, turns: Vec4) -> (Lanes, Lanes) {
         let sides = self.circle.len() - 1;
-        let turn = turn / TAU;
-        let place = (turn - turn.floor()) * sides as f32;
-        let corner = (place as usize).min(sides - 1);
-        let [[from_cos, from_sin], [to_cos, to_sin]] = [self.circle[corner], self.circle[corner + 1]];
-        let share = place - corner as f32;
-        let (cos, sin) = (from_cos + (to_cos - from_cos) * share, from_sin + (to_sin - from_sin) * share);
-        let side = |station: &Station| station.normal * cos + station.tangent.cross(station.normal) * sin;
-        let (a, b) = (side(from), side(to));
-        let point = (from.position + a * from.radius).lerp(to.position + b * to.radius, t);
-        (point, a.lerp(b, t).normalize_or(a))
+        let turns = turns / Vec4::splat(TAU);
+        let places = (turns - turns.floor()) * Vec4::splat(sides as f32);
+        let (mut points, mut normals, mut fallbacks) =
+            ([Vec3::ZERO; LANES], [Vec3::ZERO; LANES], [Vec3::ZERO; LANES]);
+        for lane in 0..LANES {
+            let (from, to, t) = self.around(heights[lane]);
+            let corner = (places[lane] as usize).min(sides - 1);
+            let [[from_cos, from_sin], [to_cos, to_sin]] = [self.circle[corner], self.circle[corner + 1]];
+            let share = places[lane] - corner as f32;
+            let (cos, sin) = (from_cos + (to_cos - from_cos) * share, from_sin + (to_sin - from_sin) * share);
+            let side = |station: &Station| station.normal * cos + station.tangent.cross(station.normal) * sin;
+            let (a, b) = (side(from), side(to));
+            points[lane] = (from.position + a * from.radius).lerp(to.position + b * to.radius, t);
+            normals[lane] = a.lerp(b, t);
+            fallbacks[lane] = a;
+        }
+        (Lanes::of(points), Lanes::of(normals).normalize_or(|| Lanes::of(fallbacks)))
     }
 }

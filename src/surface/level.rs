@@ -1,10 +1,15 @@
 //! One tree in several levels of detail.
 
+use super::weave::Plan;
 use super::{Mesh, SurfaceError, Tubes};
+use crate::parallel;
 use crate::{Bounds, ParameterError, Skeleton};
+use std::{iter, mem};
 
 /// How much the error grows from one try to the next, until a level is small enough.
 const STEP: f32 = 1.25;
+/// Tries until triangles are halved, mostly.
+const USUAL: usize = 4;
 
 /// A chain of meshes of one skeleton, each of at most half the triangles of the one before.
 ///
@@ -70,34 +75,100 @@ impl Levels {
 
     /// The levels, finest first; none for a tree without a surface.
     ///
-    /// O(nodes) for each try, of which there are about six a level, and the time of each mesh.
+    /// O(nodes) for each try, of which there are two or three a level of a tree of many branches, and the time of each
+    /// mesh. With the feature `parallel` a mesh is made while the next error is looked for.
     ///
     /// # Errors
     /// A count out of range; whatever [`Tubes::mesh`] refuses.
     pub fn of(&self, skeleton: &Skeleton) -> Result<Vec<Level>, SurfaceError> {
         ParameterError::unless((1..=32).contains(&self.count), "Levels.count", self.count, "1 to 32")?;
-        let mut levels: Vec<Level> = Vec::new();
+        let tubes = |error| self.tubes.clone().with_error(error);
+        let mut next = Some((0, tubes(self.error).plan(skeleton)?));
         let size = Bounds::of(skeleton.positions().iter().copied()).size().length();
         let widest = skeleton.radii().iter().copied().fold(0.0, f32::max);
-        let mut error = self.error;
-        let mut most = usize::MAX;
-        while levels.len() < self.count as usize {
-            let tubes = self.tubes.clone().with_error(error);
-            let plan = tubes.plan(skeleton)?;
-            if plan.triangles <= most {
-                let mesh = plan.weave(&tubes);
-                most = mesh.triangles().len() / 2;
-                if mesh.is_empty() {
-                    break;
-                }
-                levels.push(Level { mesh, error });
-            }
-            // At an error of the whole tree's size nothing is left to save.
-            if error > size + widest {
+        // At an error of the whole tree's size nothing is left to save.
+        let mut last = false;
+        let errors = iter::successors(Some(self.error), |error| Some(error * STEP));
+        let errors: Vec<_> =
+            errors.take_while(|error| !mem::replace(&mut last, *error > size + widest)).collect();
+        let mut levels: Vec<Level> = Vec::new();
+        while let Some((step, plan)) = next {
+            let error = errors[step];
+            let after = |triangles| half(step, &errors, triangles / 2, |error| tubes(error).plan(skeleton));
+            let is_last = levels.len() + 1 == self.count as usize;
+            let (mesh, ahead) = parallel::join(
+                || plan.weave(&tubes(error)),
+                || if is_last { Ok(None) } else { after(plan.triangles) },
+            );
+            if mesh.is_empty() {
                 break;
             }
-            error *= STEP;
+            let triangles = mesh.triangles().len();
+            levels.push(Level { mesh, error });
+            // Triangles that rounding has left without area were not known ahead.
+            next = if is_last || triangles == plan.triangles { ahead? } else { after(triangles)? };
         }
         Ok(levels)
+    }
+}
+
+/// The least step after `step` at which there are at most so many triangles, and its plan; `None` if there is none.
+///
+/// Triangles get fewer with every step, so that it is looked for from where it mostly is.
+fn half(
+    step: usize,
+    errors: &[f32],
+    most: usize,
+    plan: impl Fn(f32) -> Result<Plan, SurfaceError>,
+) -> Result<Option<(usize, Plan)>, SurfaceError> {
+    let mut found = None;
+    let mut at = (step + USUAL).min(errors.len() - 1);
+    while at > step && at < errors.len() {
+        let plan = plan(errors[at])?;
+        if plan.triangles <= most {
+            found = Some((at, plan));
+            at -= 1;
+        } else if found.is_none() {
+            at += 1;
+        } else {
+            break;
+        }
+    }
+    Ok(found)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::presets;
+
+    #[test]
+    fn errors_are_the_least_that_halve_the_triangles() {
+        for (name, nodes) in
+            [("figure-06b", 2000), ("figure-18", 3000), ("figure-17e", 500), ("figure-03", 300)]
+        {
+            let preset = presets::by_name(name).expect("a preset");
+            let tree =
+                preset.synth(nodes).synthesize(1).expect("a tree").relaxed(0.5, 3).expect("sound options");
+            for least in [1e-5f32, 0.001, 0.05] {
+                let levels = Levels::default().with_count(9).with_error(least).of(&tree).expect("levels");
+                assert_eq!(levels[0].error.to_bits(), least.to_bits());
+                for pair in levels.windows(2) {
+                    let most = pair[0].mesh.triangles().len() / 2;
+                    assert!(pair[1].mesh.triangles().len() <= most);
+                    let mut error = pair[0].error * STEP;
+                    while error < pair[1].error {
+                        let plan = Tubes::default().with_error(error).plan(&tree).expect("a plan");
+                        assert!(
+                            plan.triangles > most,
+                            "{name}: {error} would do instead of {}",
+                            pair[1].error
+                        );
+                        error *= STEP;
+                    }
+                    assert_eq!(error.to_bits(), pair[1].error.to_bits(), "{name}");
+                }
+            }
+        }
     }
 }

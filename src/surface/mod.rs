@@ -19,6 +19,7 @@ mod capsule;
 mod circle;
 mod collar;
 mod implicit;
+mod lanes;
 mod level;
 mod material;
 mod mesh;

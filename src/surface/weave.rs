@@ -1,8 +1,9 @@
 //! Rings of vertices, and the triangles between them.
 
 use super::axis::{Axes, Axis, Station};
-use super::circle::Circles;
-use super::collar::{Collar, Curve};
+use super::circle::{Circle, Circles};
+use super::collar::{Collar, Curves};
+use super::lanes::{LANES, Lanes};
 use super::mesh::has_area;
 use super::{Mesh, Tubes, Wind};
 use crate::math::perpendicular;
@@ -53,22 +54,27 @@ impl Plan {
 
     pub(super) fn weave(&self, options: &Tubes) -> Mesh {
         let mut mesh = Mesh::default();
-        mesh.positions.reserve(self.vertices);
-        mesh.normals.reserve(self.vertices);
-        mesh.tangents.reserve(self.vertices);
-        mesh.uvs.reserve(self.vertices);
+        // Rings are made in fours.
+        let vertices = self.vertices + LANES;
+        mesh.positions.reserve(vertices);
+        mesh.normals.reserve(vertices);
+        mesh.tangents.reserve(vertices);
+        mesh.uvs.reserve(vertices);
         if options.wind {
             mesh.wind.reserve(self.vertices);
         }
         mesh.indices.reserve(self.triangles * 3);
         let circles = Circles::new(self.axes.all.iter().map(|axis| axis.sides));
+        let none = Circle::default();
         let mut weaver = Weaver {
             options,
             mesh,
-            circle: &[],
+            circle: &none,
             tiles: 1.0,
+            step: 1.0,
             line: Vec::new(),
             curves: Vec::new(),
+            round: Round::default(),
             wind: None,
             foot: self.axes.stations.first().map_or(1.0, |foot| foot.radius),
         };
@@ -81,6 +87,7 @@ impl Plan {
             weaver.circle = circles.of(axis.sides);
             let first = self.axes.stations[axis.stations.start];
             weaver.tiles = (TAU * first.radius.max(weaver.line[0].radius) / options.tile).round().max(1.0);
+            weaver.step = weaver.tiles / axis.sides as f32;
             if let Some(collar) = collar {
                 collar.curves(&self.axes, &circles, axis.sides, &mut weaver.curves);
             } else {
@@ -116,17 +123,54 @@ enum Ring {
     Point(u32),
 }
 
+/// The points of a ring with the last before the first and the first after the last, their coordinates apart.
+#[derive(Debug, Default)]
+struct Round([Vec<f32>; 3]);
+
+impl Round {
+    fn fill(&mut self, points: impl Iterator<Item = Lanes>, sides: usize) {
+        for column in &mut self.0 {
+            column.clear();
+            // Where the last point comes.
+            column.push(0.0);
+        }
+        let [x, y, z] = &mut self.0;
+        for points in points {
+            x.extend_from_slice(&points.x.to_array());
+            y.extend_from_slice(&points.y.to_array());
+            z.extend_from_slice(&points.z.to_array());
+        }
+        for column in &mut self.0 {
+            column[0] = column[sides];
+            column.push(0.0);
+            column[sides + 1] = column[1];
+        }
+    }
+
+    /// The points before some four neighbours, these, and those after them.
+    fn around(&self, first: usize) -> [Lanes; 3] {
+        [0, 1, 2].map(|offset| {
+            let [x, y, z] = self.0.each_ref().map(|column| Vec4::from_slice(&column[first + offset..]));
+            Lanes { x, y, z }
+        })
+    }
+}
+
 /// Weaves one axis after another.
 struct Weaver<'a> {
     options: &'a Tubes,
     mesh: Mesh,
-    circle: &'a [[f32; 2]],
+    circle: &'a Circle,
     /// Textures around a ring.
     tiles: f32,
+    /// That over the sides.
+    step: f32,
     /// The level rings of the present axis.
     line: Vec<Station>,
     /// Its collar; none if there is none.
-    curves: Vec<Curve>,
+    curves: Vec<Curves>,
+    /// The points of one ring of it.
+    round: Round,
     /// The weights of its vertices, if they are wanted.
     wind: Option<Wind>,
     /// The radius that is stiffest, metres.
@@ -135,7 +179,7 @@ struct Weaver<'a> {
 
 impl Weaver<'_> {
     fn sides(&self) -> u32 {
-        self.circle.len() as u32 - 1
+        self.circle.corners.len() as u32 - 1
     }
 
     fn weave(&mut self) {
@@ -192,49 +236,70 @@ impl Weaver<'_> {
 
     /// A level ring whose normals have this part away from the axis and this part along it.
     fn ring(&mut self, station: &Station, outward: f32, along: f32) -> Ring {
-        let first = self.mesh.positions.len() as u32;
         let Station { position, radius, tangent, normal, .. } = *station;
-        let binormal = tangent.cross(normal);
-        let axial = tangent * along;
-        let mesh = &mut self.mesh;
-        let radial = |&[cos, sin]: &[f32; 2]| normal * cos + binormal * sin;
-        mesh.positions.extend(self.circle.iter().map(|corner| position + radial(corner) * radius));
-        mesh.normals.extend(self.circle.iter().map(|corner| radial(corner) * outward + axial));
-        mesh.tangents
-            .extend(self.circle.iter().map(|&[cos, sin]| (binormal * cos - normal * sin).extend(HANDEDNESS)));
-        let (v, step) = (station.along / self.options.tile, self.tiles / (self.circle.len() - 1) as f32);
-        mesh.uvs.extend((0..self.circle.len()).map(|corner| Vec2::new(corner as f32 * step, v)));
-        Ring::Circle(first)
+        let v = Vec4::splat(station.along / self.options.tile);
+        let axial = Lanes::splat(tangent * along);
+        let [position, normal, binormal] = [position, normal, tangent.cross(normal)].map(Lanes::splat);
+        let first = self.mesh.positions.len();
+        for &[cos, sin] in &self.circle.fours {
+            let radial = normal * cos + binormal * sin;
+            let outer = position + radial * Vec4::splat(radius);
+            let outward = radial * Vec4::splat(outward) + axial;
+            self.four(first, outer, outward, binormal * cos - normal * sin, v);
+        }
+        self.close(first)
     }
 
     /// The ring at the part `t` of the collar's curves.
     fn collar(&mut self, t: f32) -> Ring {
         let sides = self.sides() as usize;
-        let end = self.line[0].along;
-        let step = self.tiles / sides as f32;
         // Where the collar comes out of the bearer's facets is not seen as long as it still has the bearer's normals.
         let share = t * t;
+        self.round.fill(self.curves.iter().map(|curves| curves.point(t)), sides);
+        let first = self.mesh.positions.len();
+        for i in 0..self.curves.len() {
+            let curves = &self.curves[i];
+            let [before, here, after] = self.round.around(i * LANES);
+            let around = after - before;
+            let bearing = curves.normal(t);
+            let curved = around.cross(curves.direction(t)).normalize_or(|| bearing);
+            let normal =
+                bearing.lerp(curved, share).normalize_or(|| curved.normalize_or(|| Lanes::splat(Vec3::Y)));
+            let across = (around - normal * around.dot(normal))
+                .normalize_or(|| Lanes::of(normal.to_array().map(perpendicular)));
+            let rest = curves.rim() - here;
+            let rest = rest.dot(rest).sqrt();
+            let v = (Vec4::splat(self.line[0].along) - rest) / Vec4::splat(self.options.tile);
+            self.four(first, here, normal, across, v);
+        }
+        self.close(first)
+    }
+
+    /// Adds the next four vertices to the ring that begins with the vertex `first`.
+    #[inline]
+    fn four(&mut self, first: usize, positions: Lanes, normals: Lanes, tangents: Lanes, v: Vec4) {
+        let (step, mesh) = (self.step, &mut self.mesh);
+        let corner = mesh.positions.len() - first;
+        mesh.positions.extend_from_slice(&positions.to_array());
+        mesh.normals.extend_from_slice(&normals.to_array());
+        mesh.tangents.extend_from_slice(&tangents.to_array().map(|tangent| tangent.extend(HANDEDNESS)));
+        let uv = |lane| Vec2::new((corner + lane) as f32 * step, v[lane]);
+        mesh.uvs.extend_from_slice(&[uv(0), uv(1), uv(2), uv(3)]);
+    }
+
+    /// Ends the ring that begins with the vertex `first`: what filled up its last four goes, and the first corner comes
+    /// a second time.
+    fn close(&mut self, first: usize) -> Ring {
+        let sides = self.sides() as usize;
         let Mesh { positions, normals, tangents, uvs, .. } = &mut self.mesh;
-        let first = positions.len();
-        positions.extend(self.curves.iter().map(|curve| curve.point(t)));
-        let ring = &positions[first..];
-        let around =
-            |corner: usize| ring[corner % sides + 1] - ring[if corner == 0 { sides } else { corner } - 1];
-        normals.extend(self.curves.iter().enumerate().map(|(corner, curve)| {
-            let bearing = curve.normal(t);
-            let curved = around(corner).cross(curve.direction(t)).try_normalize().unwrap_or(bearing);
-            bearing.lerp(curved, share).try_normalize().unwrap_or_else(|| curved.normalize_or(Vec3::Y))
-        }));
-        let ring_normals = &normals[first..];
-        tangents.extend(ring_normals.iter().enumerate().map(|(corner, &normal)| {
-            let around = around(corner);
-            let across = (around - normal * around.dot(normal)).try_normalize();
-            across.unwrap_or_else(|| perpendicular(normal)).extend(HANDEDNESS)
-        }));
-        uvs.extend(self.curves.iter().zip(ring).enumerate().map(|(corner, (curve, position))| {
-            let rest = curve.points[2].distance(*position);
-            Vec2::new(corner as f32 * step, (end - rest) / self.options.tile)
-        }));
+        positions.truncate(first + sides);
+        normals.truncate(first + sides);
+        tangents.truncate(first + sides);
+        uvs.truncate(first + sides);
+        positions.push(positions[first]);
+        normals.push(normals[first]);
+        tangents.push(tangents[first]);
+        uvs.push(Vec2::new(sides as f32 * self.step, uvs[first].y));
         Ring::Circle(first as u32)
     }
 
@@ -282,7 +347,7 @@ impl Weaver<'_> {
         let rim = &self.mesh.positions[first..];
         let middle = rim[1..].iter().sum::<Vec3>() / self.sides() as f32;
         let center = self.mesh.positions.len() as u32;
-        for i in 0..=self.circle.len() {
+        for i in 0..=self.circle.corners.len() {
             let position = if i == 0 { middle } else { self.mesh.positions[first + i - 1] };
             let offset = (position - middle) / self.options.tile;
             let uv = Vec2::new(offset.dot(normal), offset.dot(binormal));
@@ -294,16 +359,30 @@ impl Weaver<'_> {
     }
 
     fn join(&mut self, from: Ring, to: Ring) {
-        for k in 0..self.sides() {
-            match (from, to) {
-                (Ring::Circle(a), Ring::Circle(b)) => {
-                    self.triangle(a + k, a + k + 1, b + k + 1);
-                    self.triangle(a + k, b + k + 1, b + k);
+        let sides = self.sides();
+        match (from, to) {
+            (Ring::Circle(a), Ring::Circle(b)) => {
+                let Mesh { positions, indices, .. } = &mut self.mesh;
+                let ring = |first: u32| &positions[first as usize..][..=sides as usize];
+                let quads = ring(a).windows(2).zip(ring(b).windows(2));
+                for (k, (below, above)) in (0..sides).zip(quads) {
+                    let triangles = [[a + k, a + k + 1, b + k + 1], [a + k, b + k + 1, b + k]];
+                    let first = has_area([below[0], below[1], above[1]]);
+                    let second = has_area([below[0], above[1], above[0]]);
+                    // Rounding leaves a triangle without area where its edges coincide, and then no gap.
+                    match [first, second] {
+                        [true, true] => indices.extend_from_slice(triangles.as_flattened()),
+                        [true, false] => indices.extend_from_slice(&triangles[0]),
+                        [false, true] => indices.extend_from_slice(&triangles[1]),
+                        [false, false] => {}
+                    }
                 }
-                (Ring::Circle(a), Ring::Point(b)) => self.triangle(a + k, a + k + 1, b),
-                (Ring::Point(a), Ring::Circle(b)) => self.triangle(a, b + k + 1, b + k),
-                (Ring::Point(_), Ring::Point(_)) => return,
             }
+            (Ring::Circle(a), Ring::Point(b)) => (0..sides).for_each(|k| self.triangle(a + k, a + k + 1, b)),
+            (Ring::Point(a), Ring::Circle(b)) => {
+                (0..sides).for_each(|k| self.triangle(a, b + k + 1, b + k));
+            }
+            (Ring::Point(_), Ring::Point(_)) => {}
         }
     }
 

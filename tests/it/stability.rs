@@ -3,10 +3,10 @@
 use crate::sample::fnv1a;
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
-use treesynth::glam::Vec3;
+use treesynth::glam::{Vec2, Vec3, Vec4};
 use treesynth::guided::{Edges, GradedYao, Graph, Lattice, NearSurface, PointCloud, PoissonYao};
 use treesynth::shape::{Cuboid, HalfEllipsoid};
-use treesynth::surface::Implicit;
+use treesynth::surface::{Implicit, Levels, Mesh, Tubes};
 use treesynth::{GraphBuilder, Silent, Skeleton, presets};
 
 fn of_positions(positions: &[Vec3]) -> impl Iterator<Item = u8> {
@@ -182,6 +182,42 @@ fn presets_grow_the_same_trees_as_ever() {
         "Equal seeds no longer give equal trees:{changes}\nIf that is meant, say so in CHANGELOG.md, for users \
          count on it, and pin the new trees with TREESYNTH_PIN=1 cargo test --all-features --test it presets_grow"
     );
+}
+
+/// Of every bit a mesh of tubes holds.
+fn mesh_hash(mesh: &Mesh) -> u64 {
+    let tangents = mesh.tangents.iter().flat_map(Vec4::to_array);
+    let uvs = mesh.uvs.iter().flat_map(Vec2::to_array);
+    let wind =
+        mesh.wind.iter().flat_map(|w| [w.pivot.x, w.pivot.y, w.pivot.z, w.level, w.phase, w.stiffness]);
+    let numbers = tangents.chain(uvs).chain(wind).map(f32::to_bits).chain(mesh.indices.iter().copied());
+    fnv1a(
+        of_positions(&mesh.positions)
+            .chain(of_positions(&mesh.normals))
+            .chain(numbers.flat_map(u32::to_le_bytes)),
+    )
+}
+
+/// Vertices are computed in fours, and levels made while the next one is looked for.
+#[test]
+fn tubes_are_the_same_as_ever() {
+    let tree = presets::by_name("figure-18").expect("a preset").synth(30_000).synthesize(1).expect("a tree");
+    let tree = tree.relaxed(0.5, 3).expect("sound options");
+    let kinds = [
+        (Tubes::default().with_closed_base(true).with_wind(true), 0x4507_0cb1_6bef_4cfa),
+        (Tubes::default().with_error(0.002), 0x30c0_07de_3063_5052),
+    ];
+    for (tubes, pinned) in kinds {
+        let hashes = at_thread_counts(|| mesh_hash(&tubes.mesh(&tree).expect("a surface")));
+        all_the_same(&hashes, "the tubes");
+        assert_eq!(hashes[0], pinned, "another mesh: {:#x}", hashes[0]);
+    }
+    let levels = || {
+        let levels = Levels::default().of(&tree).expect("levels");
+        let hashes = levels.iter().map(|level| mesh_hash(&level.mesh) ^ u64::from(level.error.to_bits()));
+        fnv1a(hashes.flat_map(u64::to_le_bytes))
+    };
+    all_the_same(&at_thread_counts(levels), "the levels");
 }
 
 /// Blocks are made and marched in parallel, and joined in order.
