@@ -50,7 +50,8 @@ pub(crate) fn sheet(preset: &Grown, growth: &Growth, size: u32) -> Result<Option
             .with_sun(Quat::from_rotation_y(azimuth) * Vec3::new(-0.55, 0.95, 0.8));
         let bark = skin(preset, age).blob_tree(&fork)?;
         let mut picture = RayCaster::new(preview).draw(&bark, &[], &Silent)?;
-        picture.label(&format!("{years} years"), 8, 8, 1 + size / 400, [70, 70, 70]);
+        let unit = if years > 1.0 { "years" } else { "year" };
+        picture.label(&format!("{years} {unit}"), 8, 8, 1 + size / 400, [70, 70, 70]);
         pictures.push(picture);
     }
     Ok(Some(Picture::sheet(&pictures, 4, 4, [255; 3])?))

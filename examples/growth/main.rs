@@ -45,13 +45,17 @@ fn run(options: &Options) -> Result<(), Failure> {
     let age = options.age.unwrap_or(last);
     let look = Look::at(preset, &growth, age, 8)?;
     let parts = look.parts(preset);
-    write(&file(".glb"), |writer| {
-        Ok(write_glb_parts(&parts, &GlbOptions::default().with_name(preset.name), writer)?)
-    })?;
-    // The foot of a skin is round.
-    let preview = Preview::default().with_ground_height(0.0);
-    let picture = look.draw(preset, &preview, options.skin)?;
-    write(&file(".png"), |writer| Ok(picture.write_png(writer)?))?;
+    if parts.iter().all(|part| part.triangles() == 0) {
+        println!("nothing has sprouted at {age} years: no model, and no picture of it");
+    } else {
+        write(&file(".glb"), |writer| {
+            Ok(write_glb_parts(&parts, &GlbOptions::default().with_name(preset.name), writer)?)
+        })?;
+        // The foot of a skin is round.
+        let preview = Preview::default().with_ground_height(0.0);
+        let picture = look.draw(preset, &preview, options.skin)?;
+        write(&file(".png"), |writer| Ok(picture.write_png(writer)?))?;
+    }
     if options.skin
         && let Some(close) = close::sheet(preset, &growth, options.size)?
     {
@@ -135,7 +139,8 @@ impl Look {
     /// In tubes, or in a skin with scars and ridges.
     fn draw(&self, preset: &Grown, preview: &Preview, skin: bool) -> Result<Picture, Failure> {
         let parts = self.parts(preset);
-        if !skin {
+        // What has no internode yet has no bark.
+        if !skin || self.stand.skeleton.segments() == 0 {
             return Ok(preview.draw_parts(&parts)?);
         }
         let bark = close::skin(preset, self.age).blob_tree(&self.stand.skeleton)?;

@@ -4,7 +4,8 @@ use super::sample::{Shape, Union, one};
 use super::*;
 use crate::preview::camera::View;
 use crate::preview::{Camera, Projection};
-use crate::surface::Material;
+use crate::surface::blob::Skin;
+use crate::surface::{Material, Mesh, Polygonizer};
 use crate::{Bounds, Progress, Silent, math};
 use proptest::prelude::*;
 use std::ops::ControlFlow;
@@ -183,7 +184,7 @@ fn a_ball_stands_before_and_behind_a_board() {
     let board = |z: f32| {
         let corner = |x: f32, y: f32| Vec3::new(x * 1.5, y * 1.5, z);
         let corners = vec![corner(-1.0, -1.0), corner(1.0, -1.0), corner(1.0, 1.0), corner(-1.0, 1.0)];
-        crate::surface::Mesh::new(corners, vec![Vec3::Z; 4], vec![0, 1, 2, 0, 2, 3])
+        Mesh::new(corners, vec![Vec3::Z; 4], vec![0, 1, 2, 0, 2, 3])
     };
     let red = Union(vec![(Shape::Sphere(Vec3::ZERO, 0.7), [0.9, 0.0, 0.0])]);
     let blue = Material::bark().with_color([0.0, 0.0, 0.9]);
@@ -242,6 +243,20 @@ fn it_can_be_watched_and_stopped() {
     assert!(matches!(caster.cast(&one(BALL), &[], &stop), Err(PreviewError::Cancelled)));
 }
 
+/// Where a ray first meets a mesh, one triangle after the other.
+fn nearest(mesh: &Mesh, ray: &Ray) -> Option<f32> {
+    let triangles = mesh.triangles().map(|corners| corners.map(|corner| mesh.positions[corner as usize]));
+    let meets = triangles.filter_map(|[a, b, c]| {
+        // Möller and Trumbore 1997.
+        let (ab, ac, from) = (b - a, c - a, ray.origin - a);
+        let across = ray.way.cross(ac);
+        let inverse = 1.0 / ab.dot(across);
+        let (u, v) = (from.dot(across) * inverse, ray.way.dot(from.cross(ab)) * inverse);
+        (u >= 0.0 && v >= 0.0 && u + v <= 1.0).then(|| ac.dot(from.cross(ab)) * inverse)
+    });
+    meets.filter(|&t| t > 0.0).min_by(f32::total_cmp)
+}
+
 /// The root of the field and the polygonizer's mesh of it.
 #[test]
 fn rays_hit_where_the_mesh_is() {
@@ -260,16 +275,7 @@ fn rays_hit_where_the_mesh_is() {
         let ray =
             ray(Vec3::new(4.0 * math::cos(angle), 2.0 * math::sin(0.3 * angle), 4.0 * math::sin(angle)), to);
         let found = octree.hit(&octree.whole(), &ray);
-        let triangles = mesh.triangles().map(|corners| corners.map(|corner| mesh.positions[corner as usize]));
-        let meets = triangles.filter_map(|[a, b, c]| {
-            // Möller and Trumbore 1997.
-            let (ab, ac, from) = (b - a, c - a, ray.origin - a);
-            let across = ray.way.cross(ac);
-            let inverse = 1.0 / ab.dot(across);
-            let (u, v) = (from.dot(across) * inverse, ray.way.dot(from.cross(ab)) * inverse);
-            (u >= 0.0 && v >= 0.0 && u + v <= 1.0).then(|| ac.dot(from.cross(ab)) * inverse)
-        });
-        let nearest = meets.filter(|&t| t > 0.0).min_by(f32::total_cmp);
+        let nearest = nearest(&mesh, &ray);
         match (found, nearest) {
             (Some(hit), Some(nearest)) => {
                 both += 1;
@@ -282,6 +288,77 @@ fn rays_hit_where_the_mesh_is() {
         }
     }
     assert!(both > 150 && one * 50 < both, "{both} hits of both, {one} apart");
+}
+
+/// A small tree with forks, some of them old, in no order.
+fn small_tree(seed: u32) -> Skeleton {
+    let unit = |i: u32, n: u32| {
+        // A round of splitmix, of 32 bits.
+        let mut x = (seed * 1009 + i * 31 + n).wrapping_mul(0x9e37_79b9);
+        x = (x ^ (x >> 16)).wrapping_mul(0x85eb_ca6b);
+        (x ^ (x >> 13)) as f32 / u32::MAX as f32
+    };
+    let (mut positions, mut parents) = (vec![Vec3::ZERO], vec![None]);
+    let (mut radii, mut stages) = (vec![0.12], vec![0]);
+    for i in 1..14u32 {
+        // Mostly on from the last, at times from any.
+        let parent = if unit(i, 0) < 0.6 { i - 1 } else { (unit(i, 1) * i as f32) as u32 };
+        let way = Vec3::new(unit(i, 2) - 0.5, 0.3 + unit(i, 3), unit(i, 4) - 0.5).normalize();
+        positions.push(positions[parent as usize] + way * (0.2 + 0.2 * unit(i, 5)));
+        radii.push(radii[parent as usize] * (0.75 + 0.2 * unit(i, 6)));
+        stages.push(stages[parent as usize] + u16::from(unit(i, 7) < 0.4));
+        parents.push(Some(parent));
+    }
+    let tree = Skeleton::new(positions, parents).and_then(|tree| tree.with_radii(radii));
+    tree.and_then(|tree| tree.with_stages(stages)).expect("a tree")
+}
+
+/// First hits of rays and of the mesh are less than a voxel of each other; or neither hits; or the one that hits first only
+/// grazes, less than a voxel deep.
+#[test]
+fn rays_hit_a_skin_where_its_mesh_is() {
+    let (mut hits, mut grazing, mut misses) = (0, 0, 0);
+    for seed in 0..4 {
+        let skeleton = small_tree(seed);
+        let skin = Skin::default().with_age(6.0).blob_tree(&skeleton).expect("a skin");
+        let voxel = 0.008;
+        let mesh = Polygonizer::default().with_voxel(voxel).mesh(&skin).expect("a mesh");
+        let (view, bounds) = (view(), skin.bounds());
+        let octree = Octree::new(&skin, &view, 3, usize::MAX);
+        for i in 0..250u32 {
+            let unit = |n: u32| {
+                (i * 7 + seed + 1).wrapping_mul(n).wrapping_mul(2_654_435_761) as f32 / u32::MAX as f32
+            };
+            let way = Vec3::new(unit(1) - 0.5, unit(7919) - 0.5, unit(104_729) - 0.5).normalize();
+            let to = bounds.at(Vec3::new(unit(31), unit(6007), unit(50_021)));
+            let ray = ray(to + way * 5.0, to);
+            let along = |t: f32| ray.origin + ray.way * t;
+            let cast = octree.hit(&octree.whole(), &ray).map(|hit| (hit.point - ray.origin).dot(ray.way));
+            let met = nearest(&mesh, &ray);
+            let Some(first) = [cast, met].into_iter().flatten().reduce(f32::min) else {
+                misses += 1;
+                continue;
+            };
+            let off = |t: f32| {
+                let (value, slope) = skin.gradient(along(t));
+                value / slope.length().max(1e-3)
+            };
+            // How deep what is hit by only one, or far before the other, is: to where the ray leaves it.
+            let both = cast.zip(met).is_some_and(|(a, b)| {
+                let normal = skin.gradient(along(first)).1.normalize_or_zero();
+                (a - b).abs() * normal.dot(ray.way).abs() < voxel
+            });
+            if both {
+                hits += 1;
+                continue;
+            }
+            grazing += 1;
+            let deep = (1..).map(|k| off(first + 0.1 * voxel * k as f32)).take_while(|&deep| deep > 0.0);
+            let deepest = deep.fold(off(first).abs(), f32::max);
+            assert!(deepest < voxel, "{deepest} deep at {first}: {cast:?}, {met:?}, tree {seed}, ray {i}");
+        }
+    }
+    assert!(hits > 150 && misses > 150 && grazing * 20 < hits, "{hits}, {grazing}, {misses}");
 }
 
 #[test]

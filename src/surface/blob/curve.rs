@@ -14,8 +14,10 @@ const SHARPEST_TURN: f32 = -0.5;
 /// A smooth curve through points, with a radius interpolated between theirs, monotone and smooth: a skeletal primitive made of cone segments.
 ///
 /// Between two points lies the cubic Hermite curve with the tangents of Catmull and Rom 1974 for points at their chords'
-/// lengths, each as long as the chord. Cone segments follow it so finely that none turns by much more than
-/// [`with_turn`](Self::with_turn) against the next; at most 64 from point to point, and corners sharper than 120° stay.
+/// lengths, each as long as the chord. Cone segments follow it so finely that, where it bends evenly, none turns by more than
+/// [`with_turn`](Self::with_turn) against the next. On the outer side of a bend, and where it tapers ever more, the surface is round
+/// where they meet; on the inner side it has a crease of that turn. There are at most 64 from point to point, and corners
+/// sharper than 120° stay.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Curve {
     points: Vec<Vec3>,

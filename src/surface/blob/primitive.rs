@@ -14,8 +14,9 @@ const ROUNDING: f32 = 8.0 * f32::EPSILON;
 
 /// A skeletal primitive: a point, a line or a cone segment, its radius, the field around it and its colour.
 ///
-/// The field depends on the distance from the axis over the radius there. Ends are round; the radius of a
-/// cone segment is interpolated between its ends along the axis. What is out of range is refused where it is
+/// A cone segment is the union of the balls along its axis, whose radii are interpolated between its ends, and its field the
+/// greatest of theirs: it depends on the least distance from a point of the axis over the radius there. So cones of one taper, end
+/// to end, are smooth where they meet, and round where the second tapers more. What is out of range is refused where it is
 /// [added](super::BlobTreeBuilder::add).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Primitive {
@@ -92,7 +93,7 @@ pub(super) struct Leaf {
     /// One over the square of the length, or 0 where there is none.
     inverse: f32,
     radius: f32,
-    /// By how much the radius grows along the way.
+    /// By what share of it the radius grows along the way.
     growth: f32,
     field: FieldFunction,
     strength: f32,
@@ -124,14 +125,15 @@ impl Leaf {
         let way = to - from;
         let square = way.length_squared();
         // A way too short for its square, or the square's inverse, to be told from zero is none.
-        let sound = square > 1e-30 && square.is_finite();
         let [start, end] = primitive.radii;
+        // Neither is one along which the radius changes a million times faster: squares of that leave the range of floats.
+        let sound = square > 1e-30 && square.is_finite() && (end - start).abs() <= 1e6 * square.sqrt();
         Self {
             from,
             way: if sound { way } else { Vec3::ZERO },
             inverse: if sound { 1.0 / square } else { 0.0 },
             radius: if sound { start } else { start.max(end) },
-            growth: if sound { end - start } else { 0.0 },
+            growth: if sound { (end - start) / start } else { 0.0 },
             field: primitive.field,
             strength: primitive.strength,
             color: primitive.color,
@@ -139,12 +141,18 @@ impl Leaf {
         }
     }
 
+    /// The radius so far along the way.
+    #[inline]
+    fn radius(&self, t: f32) -> f32 {
+        self.radius + self.radius * self.growth * t
+    }
+
     fn thickest(&self) -> f32 {
-        self.radius + self.growth.max(0.0)
+        self.radius(if self.growth > 0.0 { 1.0 } else { 0.0 })
     }
 
     fn thinnest(&self) -> f32 {
-        self.radius + self.growth.min(0.0)
+        self.radius(if self.growth < 0.0 { 1.0 } else { 0.0 })
     }
 
     /// A box of its own space that holds every point where it is felt.
@@ -153,36 +161,62 @@ impl Leaf {
             let rounding = ROUNDING * (end.abs().max_element() + self.way.abs().max_element());
             Bounds::around(end, Vec3::splat(radius * self.field.reach() * 1.0001 + rounding))
         };
-        at(self.from, self.radius).union(at(self.from + self.way, self.radius + self.growth))
+        at(self.from, self.radius).union(at(self.from + self.way, self.radius(1.0)))
     }
 
-    /// How far along the way the nearest point of the axis is, 0 to 1, and the way from it.
+    /// How far along the way the ball is that is felt most: a fraction, of which beyond 0 and 1 it is the one at that end. And the
+    /// square of the distance from the line.
     #[inline]
-    fn nearest(&self, point: Vec3) -> (f32, Vec3) {
-        let offset = point - self.from;
-        let t = (offset.dot(self.way) * self.inverse).clamp(0.0, 1.0);
-        (t, offset - self.way * t)
+    fn strongest(&self, offset: Vec3) -> ([f32; 2], f32) {
+        let beside = offset.dot(self.way) * self.inverse;
+        let square = (offset - self.way * beside).length_squared();
+        // Where the derivative of (distance / radius)² is 0. Where the radius would be below 0, it is the thick end.
+        let swell = 1.0 + self.growth * beside;
+        ([beside * swell + self.growth * square * self.inverse, swell], square)
+    }
+
+    /// The distance from the middle of that ball over its radius.
+    #[inline]
+    fn distance(&self, offset: Vec3, [at, swell]: [f32; 2], square: f32) -> f32 {
+        let (square, radius) = if at <= 0.0 {
+            (offset.length_squared(), self.radius * self.radius)
+        } else if at >= swell {
+            let end = self.radius(1.0);
+            ((offset - self.way).length_squared(), end * end)
+        } else {
+            // The radius beside the point r and the distance from the line h are r (1 + q) and h √(1 + q) at the ball, where
+            // q is the square of h/r times the change of the radius a metre.
+            let (beside, change) = (self.radius * swell, self.radius * self.growth);
+            (square, beside * beside + change * change * self.inverse * square)
+        };
+        (square / radius).sqrt()
     }
 
     /// The field's value at a point of its own space.
     #[inline]
     pub(super) fn value(&self, point: Vec3) -> f32 {
-        let (t, away) = self.nearest(point);
-        let x = away.length() / (self.radius + t * self.growth);
-        self.strength * self.field.value(x)
+        let offset = point - self.from;
+        let (at, square) = self.strongest(offset);
+        self.strength * self.field.value(self.distance(offset, at, square))
     }
 
     /// The field's value at a point of its own space, and its gradient.
     #[inline]
     pub(super) fn gradient(&self, point: Vec3) -> (f32, Vec3) {
-        let (t, away) = self.nearest(point);
-        let radius = self.radius + t * self.growth;
-        let distance = away.length();
-        let x = distance / radius;
-        let (value, slope) = self.field.at(x);
-        let growth = if t > 0.0 && t < 1.0 { self.growth * self.inverse } else { 0.0 };
-        let radial = away / distance.max(f32::MIN_POSITIVE);
-        let direction = (radial - self.way * (growth * x)) / radius;
+        let offset = point - self.from;
+        let (fraction, square) = self.strongest(offset);
+        let (value, slope) = self.field.at(self.distance(offset, fraction, square));
+        let [at, swell] = fraction;
+        let t = if at <= 0.0 {
+            0.0
+        } else if at >= swell {
+            1.0
+        } else {
+            at / swell
+        };
+        // That of the ball, for another is felt no more.
+        let away = offset - self.way * t;
+        let direction = away / (away.length().max(f32::MIN_POSITIVE) * self.radius(t));
         (self.strength * value, direction * (self.strength * slope))
     }
 
@@ -194,39 +228,51 @@ impl Leaf {
     /// What its values may be within `reach` metres of a point, all in its own space; and the least radius there.
     #[inline]
     pub(super) fn range(&self, point: Vec3, reach: f32) -> (Range, f32) {
-        let (t, away) = self.nearest(point);
+        let offset = point - self.from;
+        let along = offset.dot(self.way) * self.inverse;
         let rounding = ROUNDING * (point.abs().max_element() + self.from.abs().max_element() + reach);
         let reach = reach * 1.0001 + rounding;
-        let felt = self.thickest() * self.field.reach() * 1.0002 + reach;
+        // The distance from the axis, and the radius beside the point.
+        let beside = clamped(along);
+        let away = offset - self.way * beside;
+        let (thinnest, thickest) = (self.thinnest(), self.thickest());
+        let felt = thickest * self.field.reach() * 1.0002 + reach;
         // Most are too far away.
         if away.length_squared() > felt * felt {
-            return (Range::NOTHING, self.thinnest());
+            return (Range::NOTHING, thinnest);
         }
-        self.range_near(t, away.length(), reach)
+        self.range_near(along, away.length(), reach)
     }
 
-    fn range_near(&self, t: f32, distance: f32, reach: f32) -> (Range, f32) {
-        // By how much the radius changes a metre.
-        let taper = self.growth.abs() * self.inverse.sqrt();
-        let here = self.radius + t * self.growth;
-        let thin = (here - taper * reach).max(self.thinnest()) * 0.9999;
-        let thick = (here + taper * reach).min(self.thickest()) * 1.0001;
-        let near = (distance - reach).max(0.0) / thick;
+    fn range_near(&self, along: f32, distance: f32, reach: f32) -> (Range, f32) {
+        let (here, taper) = (self.radius(along), self.radius * self.growth.abs() * self.inverse.sqrt());
+        // No clamp: the least and the greatest even beside what is not a number.
+        let (thinnest, thickest) = (self.thinnest(), self.thickest());
+        // The ball that is felt most is thicker than the radius beside a point: by 1 / (1 - lean²), where it is felt.
+        let lean = taper * self.field.reach();
+        let swell = 1.0 - lean * lean;
+        let thin = (here - taper * reach).max(thinnest).min(thickest) * 0.9999;
+        let thick =
+            if swell > 0.0 { ((here + taper * reach) / swell).min(thickest).max(thinnest) } else { thickest };
+        let near = (distance - reach).max(0.0) / (thick * 1.0001);
         if near >= self.field.reach() {
             return (Range::NOTHING, thin);
         }
-        let far = (distance + reach) / thin;
+        let far = (distance + reach) / (self.radius(clamped(along)) * 0.9999);
         // Rounding may change the last bits of a value, but not those of a 1 on the plateau.
         let slack = |x: f32, by: f32| {
             if x <= self.field.plateau() { 1.0 } else { (self.field.value(x) + by).clamp(0.0, 1.0) }
         };
         let (least, most) = (slack(far, -1e-5), slack(near, 1e-5));
-        // The distance changes by a metre a metre, the radius by the taper.
-        let lean = taper * far.min(self.field.reach());
-        let stretch = (1.0 + lean * lean).sqrt() / thin;
-        let slope = self.field.steepest(near, far) * stretch;
+        let slope = self.field.steepest(near, far) / thin;
         let range =
             Range { least: self.strength * least, most: self.strength * most, slope: self.strength * slope };
         (range, thin)
     }
+}
+
+/// From 0 to 1; 0 of what is not a number.
+#[inline]
+fn clamped(t: f32) -> f32 {
+    if t > 0.0 { t.min(1.0) } else { 0.0 }
 }

@@ -1,7 +1,7 @@
 //! The skin of a tree: smooth along and between its branches, with scars and ridges that age.
 
 use super::error::BlobError;
-use super::field::FieldFunction;
+use super::field::{FieldFunction, ISO};
 use super::{BARK, BlobTree, BlobTreeBuilder, Bounded, Contact, Curve, Node, Operator, Primitive};
 use crate::skeleton::Branches;
 use crate::{ParameterError, Skeleton};
@@ -11,11 +11,14 @@ use glam::Vec3;
 const FAINTEST: f32 = 0.01;
 /// The least sine of the angle between a lateral and its bearer that is told from 0.
 const LEAST_SINE: f32 = 0.35;
+/// By how much fields half a radius wide may fall where bark bulges, times that half.
+const NARROW: f32 = 0.25;
 
 /// The skin of a whole tree as a [`BlobTree`]: section 3.2 of Galbraith, Mündermann and Wyvill 2004.
 ///
 /// Each year's shoot is a [`Curve`]; the shoots of an axis are joined end to end, and laterals are summed to their bearer, so
-/// that all is smooth. Where two years' shoots meet, precise contact takes the place of that within a bounding field: the
+/// that all is smooth: a lateral's field reaches as far as its bearer's, so that the fillet below it is as soft on one as on the
+/// other. Where two years' shoots meet, precise contact takes the place of that within a bounding field: the
 /// ring of the bud scale scar, which fades as the junction ages. Where a lateral leaves its bearer there is contact too: around
 /// its whole base at first, the bud scale scar of the lateral; with age the bounding field moves into the axil, where the
 /// contact stays as the branch bark ridge and the rest of the base becomes smooth. Both are darkened as far as their bounding
@@ -49,10 +52,10 @@ pub struct Skin {
 }
 
 impl Default for Skin {
-    /// As old as the last stage and one year; blends half a radius wide; scars and ridges of full strength, bulge 2; scars
+    /// As old as the last stage and one year; blends 0.7 radii wide; scars and ridges of full strength, bulge 2; scars
     /// gone, ridges formed after 10 years (figure 7); grey brown bark, blackened where it meets.
     fn default() -> Self {
-        let (age, blend, turn, bulge) = (None, 0.5, 0.1, 2.0);
+        let (age, blend, turn, bulge) = (None, 0.7, 0.1, 2.0);
         let (scars, ridges, scar_years, ridge_years) = (1.0, 1.0, 10.0, 10.0);
         Self {
             age,
@@ -77,7 +80,8 @@ impl Skin {
         self
     }
 
-    /// How far fields reach beyond the surface, in radii, and so how wide fillets are: 0.01 to 1; default 0.5.
+    /// How far fields reach beyond the surface, in radii, and so how wide fillets are: 0.01 to 1; default 0.7. That of a lateral
+    /// reaches as far as that of its bearer where it leaves it, but no farther than one radius of its own.
     pub fn with_blend(mut self, radii: f32) -> Self {
         self.blend = radii;
         self
@@ -172,12 +176,17 @@ impl Skin {
         let mut done: Vec<Option<Node>> = branches.iter().map(|_| None).collect();
         let mut borne: Vec<Vec<u32>> = vec![Vec::new(); branches.len()];
         let all: Vec<_> = branches.iter().collect();
+        let spring =
+            |number: usize| bearers[number].map(|bearer| (all[number].nodes(), all[bearer as usize].nodes()));
+        let springs: Vec<Option<Spring>> = (0..all.len())
+            .map(|number| spring(number).map(|(nodes, axis)| tailor.spring(nodes, axis)))
+            .collect();
         for (number, branch) in all.iter().enumerate().rev() {
-            let nodes = branch.nodes();
-            let mut node = tailor.axis(nodes, number == 0)?;
+            let mut node = tailor.axis(branch.nodes(), springs[number].as_ref())?;
             for &lateral in borne[number].iter().rev() {
                 let Some(part) = done[lateral as usize].take() else { continue };
-                node = tailor.fork(node, part, all[lateral as usize].nodes(), nodes)?;
+                let Some(spring) = &springs[lateral as usize] else { continue };
+                node = tailor.fork(node, part, spring)?;
             }
             done[number] = Some(node);
             if let Some(bearer) = bearers[number] {
@@ -206,6 +215,21 @@ fn bearers(skeleton: &Skeleton, branches: &Branches) -> Vec<Option<u32>> {
     branches.iter().enumerate().map(bearer).collect()
 }
 
+/// Where and how a lateral leaves its bearer.
+struct Spring {
+    /// The node on the bearer's axis, and the lateral's first own.
+    foot: Vec3,
+    first: u32,
+    /// The radii of the bearer and the lateral there.
+    thick: f32,
+    own: f32,
+    /// The ways of both axes, and the sine and cosine of the angle between them; the sine is told from 0.
+    along: Vec3,
+    out: Vec3,
+    sine: f32,
+    cosine: f32,
+}
+
 /// Makes the parts of one skin.
 struct Tailor<'a> {
     skin: &'a Skin,
@@ -228,11 +252,22 @@ impl Tailor<'_> {
         (self.age - f32::from(self.skeleton.stages()[node as usize])).max(0.0)
     }
 
-    /// The shoots of an axis, end to end, with a scar between any two.
-    fn axis(&mut self, nodes: &[u32], is_trunk: bool) -> Result<Node, BlobError> {
+    fn spring(&self, nodes: &[u32], axis: &[u32]) -> Spring {
+        let (at, first) = (nodes[0], nodes[1]);
+        let (foot, own) = (self.position(at), self.radius(first));
+        let thick = if self.radius(at) > 0.0 { self.radius(at) } else { own };
+        let out = (self.position(first) - foot).normalize_or(Vec3::Y);
+        let along = self.direction(at, axis).unwrap_or(out);
+        let cosine = along.dot(out);
+        let sine = (1.0 - cosine * cosine).max(0.0).sqrt().max(LEAST_SINE);
+        Spring { foot, first, thick, own, along, out, sine, cosine }
+    }
+
+    /// The shoots of an axis, end to end, with a scar between any two; `None` springs from nothing: the trunk.
+    fn axis(&mut self, nodes: &[u32], spring: Option<&Spring>) -> Result<Node, BlobError> {
         let stage = |i: usize| self.skeleton.stages()[nodes[i] as usize];
         // The first node belongs to the bearer, with its radius.
-        let own = is_trunk && (nodes.len() == 1 || self.radius(nodes[0]) > 0.0);
+        let own = spring.is_none() && (nodes.len() == 1 || self.radius(nodes[0]) > 0.0);
         let first = if own { nodes[0] } else { nodes[1] };
         let radius = |i: usize| self.radius(if i == 0 { first } else { nodes[i] });
         let ways: Vec<Vec3> =
@@ -246,13 +281,19 @@ impl Tailor<'_> {
             (before + after).try_normalize()
         };
         let joint = |i: usize| (i > 0 && i + 1 < nodes.len()).then(|| tangent(i)).flatten();
+        let width = spring.map_or(self.skin.blend, |spring| spring.width(self.skin.blend));
+        let place = |i: usize| {
+            let shift =
+                spring.filter(|_| i == 0).map(|spring| ways[0] * spring.shift(width, ways[0].length()));
+            self.position(nodes[i]) + shift.unwrap_or_default()
+        };
         let mut curves = Vec::with_capacity(ends.len() + 1);
         for (start, stop) in starts.zip(stops) {
-            let points = nodes[start..=stop].iter().map(|&node| self.position(node)).collect();
+            let points = (start..=stop).map(place).collect();
             let curve = Curve::new(points, (start..=stop).map(radius).collect())
                 .with_tangents(joint(start), joint(stop))
                 .with_turn(self.skin.turn)
-                .with_field(FieldFunction::Smooth { width: self.skin.blend })
+                .with_field(FieldFunction::Smooth { width })
                 .with_color(self.skin.bark);
             curves.push(curve);
         }
@@ -299,18 +340,12 @@ impl Tailor<'_> {
     }
 
     /// A lateral on its bearer, with a scar around its base or a ridge in its axil.
-    fn fork(&mut self, bearer: Node, lateral: Node, nodes: &[u32], axis: &[u32]) -> Result<Node, BlobError> {
+    fn fork(&mut self, bearer: Node, lateral: Node, spring: &Spring) -> Result<Node, BlobError> {
         let skin = self.skin;
         if skin.ridges < FAINTEST {
             return self.builder.sum([bearer, lateral]);
         }
-        let (at, first) = (nodes[0], nodes[1]);
-        let (foot, own) = (self.position(at), self.radius(first));
-        let thick = if self.radius(at) > 0.0 { self.radius(at) } else { own };
-        let out = (self.position(first) - foot).normalize_or(Vec3::Y);
-        let along = self.direction(at, axis).unwrap_or(out);
-        let cosine = along.dot(out);
-        let sine = (1.0 - cosine * cosine).max(0.0).sqrt().max(LEAST_SINE);
+        let &Spring { foot, first, thick, own, along, out, sine, cosine } = spring;
         // Where the lateral's axis and its upper side leave the bearer.
         let upper = (along - out * cosine).normalize_or(along);
         let base = foot + out * (thick / sine);
@@ -333,7 +368,24 @@ impl Tailor<'_> {
     }
 
     fn pressed(&self) -> Operator {
-        Operator::Contact(Contact::default().with_bulge(self.skin.bulge))
+        // Where fields reach farther they are flatter: so bulges are as wide and high as ever.
+        let reach = (NARROW / self.skin.blend).min(ISO);
+        Operator::Contact(Contact::default().with_reach(reach).with_bulge(self.skin.bulge))
+    }
+}
+
+impl Spring {
+    /// The width of the lateral's field, in its radii: that of its bearer in metres, so that neither end of the fillet is much
+    /// sharper than the other.
+    fn width(&self, blend: f32) -> f32 {
+        (blend * self.thick / self.own).clamp(blend, 1.0)
+    }
+
+    /// From where on the lateral is needed, as a share of its first `length` metres: its round end stays within the bearer, and is
+    /// not felt on the bearer's far side, if that can be.
+    fn shift(&self, width: f32, length: f32) -> f32 {
+        let beyond = (self.own * (1.0 + width) - self.thick).min(self.thick - self.own).max(0.0);
+        (beyond / (self.sine * length).max(f32::MIN_POSITIVE)).min(0.75)
     }
 }
 

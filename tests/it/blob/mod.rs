@@ -3,3 +3,4 @@
 mod bad_input;
 mod equations;
 mod skin;
+mod smooth;
