@@ -193,7 +193,8 @@ fn hold(growth: &Growth, shape: &GuidanceShape) -> Result<(), TestCaseError> {
     let (step, structure) = (growth.trace[growth.best], growth.structure().unwrap());
     prop_assert!(guidance(&structure, shape).unwrap().value <= step.guidance + 1e-4);
     let strain = strain(growth, shape);
-    prop_assert!((strain - step.penalty).abs() <= 1e-2 * step.penalty + 1e-5, "{} {}", strain, step.penalty);
+    // Rounded places tell an angle near π to some 5e-4 only, whose square counts for each node.
+    prop_assert!((strain - step.penalty).abs() <= 1e-2 * step.penalty + 1e-4, "{} {}", strain, step.penalty);
     Ok(())
 }
 
