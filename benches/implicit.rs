@@ -1,5 +1,5 @@
 //! The watertight surface of a tree: milliseconds on one thread and on two, beside a plain copy of the mesh, and memory's
-//! main part; the same of a `BlobTree`; and one piece beside `fast-surface-nets` on an array.
+//! main part; and one piece beside `fast-surface-nets` on an array.
 
 mod measure;
 
@@ -11,24 +11,13 @@ use measure::{PRESET, SEED, Samples, count, number, print_table};
 use rayon::ThreadPoolBuilder;
 use treesynth::Skeleton;
 use treesynth::glam::Vec3;
-use treesynth::self_organizing::{Habit, SelfOrganizing, ShadowPropagation};
-use treesynth::surface::blob::Skin;
-use treesynth::surface::{Implicit, Polygonizer};
+use treesynth::surface::Implicit;
 
 /// Nodes of the graph: as many as give about 17,000 segments.
 const NODES: usize = 1_000_000;
 /// What is wanted of 21,000 segments on two threads, milliseconds. Time grows with the segments.
 const GOAL: f64 = 5000.0;
 const GOAL_SEGMENTS: f64 = 21_000.0;
-
-/// Metamers of the tree that wears a skin: about 150,000 primitives.
-const METAMERS: usize = 160_000;
-/// What is wanted of 150,000 primitives at the detail of a lattice of 1024 along each side, milliseconds; and what the paper
-/// took on a Pentium IV.
-const BLOB_GOAL: f64 = 20_000.0;
-const BLOB_PAPER: f64 = 350_000.0;
-/// The longest side of the skin's box in finest voxels.
-const DETAIL: f32 = 1024.0;
 
 /// The piece that is made on an array too: voxels along each side, the side of one, and the radius of its rod, metres.
 const ARRAY: u32 = 192;
@@ -119,43 +108,6 @@ fn beside_an_array(group: &mut BenchmarkGroup<'_, WallTime>, samples: &mut Sampl
     );
 }
 
-/// The skin of a big tree, as polygons.
-fn of_a_blob_tree(samples: &mut Samples, pools: &[rayon::ThreadPool]) {
-    let mut tree =
-        SelfOrganizing::new(ShadowPropagation::default().with_falloff(1.5f32.sqrt()), Habit::default(), SEED);
-    let metamers = measure::size(METAMERS, 2_000);
-    while tree.metamers() < metamers && tree.season() < 60 {
-        tree.step().expect("no limit is near");
-    }
-    let skin = Skin::default().blob_tree(&tree.skeleton().expect("a tree")).expect("a skin");
-    let longest = skin.bounds().size().max_element();
-    let surface = Polygonizer::default().with_voxel(longest / DETAIL).with_most_blocks(20_000_000);
-    for (pool, threads) in pools.iter().zip(1..) {
-        samples.thrice(&format!("blob tree/{threads}"), || pool.install(|| surface.mesh(&skin)));
-    }
-    let (Some(one), Some(two)) = (samples.median("blob tree/1"), samples.median("blob tree/2")) else {
-        return;
-    };
-    let mesh = surface.mesh(&skin).expect("a surface");
-    let row = vec![
-        number(one),
-        number(two),
-        number(two / BLOB_GOAL),
-        number(two / BLOB_PAPER),
-        count(mesh.positions.len()),
-        count(mesh.triangles().len()),
-    ];
-    print_table(
-        &format!(
-            "A skin of {} primitives and {} operators, its longest side 1024 finest voxels:",
-            count(skin.primitives()),
-            count(skin.operators())
-        ),
-        &["one thread, ms", "two, ms", "two / goal", "two / paper's", "vertices", "triangles"],
-        &[row],
-    );
-}
-
 fn main() {
     let mut criterion = measure::criterion();
     let pools = [1, 2].map(|threads| {
@@ -197,7 +149,6 @@ fn main() {
         }
     }
     beside_an_array(&mut group, &mut samples);
-    of_a_blob_tree(&mut samples, &pools);
     group.finish();
     criterion.final_summary();
     print_table(

@@ -24,8 +24,8 @@ use octree::Octree;
 /// smooth surface, the rest are not cast. The sky is darkened by all surface in a coarse grid, as in a preview.
 ///
 /// An octree of the solid's parts is split where rays come, down to a pixel or the thickness of what is in a cube. So time and memory grow
-/// with the pixels that show something, and hardly with the number of primitives: 768 by 768 pixels of a tree of 154,000
-/// primitives take about 6 s on two threads. With the feature `parallel` on rayon's threads; the same pixels at any number of them.
+/// with the pixels that show something, and hardly with the number of primitives: 768 by 768 pixels of a tree of 388,000
+/// primitives take about 8 s on two threads. With the feature `parallel` on rayon's threads; the same pixels at any number of them.
 /// Within a solid it is dark: a camera there sees black.
 ///
 /// ```
