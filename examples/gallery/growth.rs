@@ -35,7 +35,12 @@ pub(crate) fn draw_all(options: &Options) -> Result<(), Failure> {
 fn draw(preset: &Grown, size: u32) -> Result<Vec<Picture>, Failure> {
     let growth = preset.grow(preset.seed)?;
     let stands: Vec<TreeAtAge> = preset.ages.iter().map(|&age| growth.at(age)).collect::<Result<_, _>>()?;
-    let everything = stands.iter().map(|stand| Bounds::of(stand.skeleton.positions().iter().copied()));
+    // A shoot alone is shown from where it begins.
+    let first_year = if preset.figure == 12 { 2 } else { 0 };
+    let everything = stands.iter().map(|stand| {
+        let nodes = stand.skeleton.positions().iter().zip(stand.skeleton.stages());
+        Bounds::of(nodes.filter(|(_, year)| **year >= first_year).map(|(position, _)| *position))
+    });
     let Some(bounds) = everything.reduce(Bounds::union) else { return Ok(Vec::new()) };
     let labelled = stands.iter().zip(preset.ages).map(|(stand, age)| {
         let mut picture = if preset.planar {

@@ -95,7 +95,8 @@ impl BlobPreset {
 fn lines(builder: &mut BlobTreeBuilder) -> Result<[super::Node; 2], BlobError> {
     let [from, to] = [Vec3::new(0.0, -2.0, 0.0), Vec3::new(0.0, 2.0, 0.0)];
     let stem = builder.add(Primitive::line(from, to, 0.22).with_color(BARK))?;
-    let lateral = Primitive::line(Vec3::new(0.0, -0.3, 0.0), Vec3::new(2.0, 1.7, 0.0), 0.17);
+    // Not from the stem's axis on, for then it would be felt on the far side.
+    let lateral = Primitive::line(Vec3::new(0.06, -0.24, 0.0), Vec3::new(2.0, 1.7, 0.0), 0.17);
     Ok([stem, builder.add(lateral.with_color(BARK))?])
 }
 
