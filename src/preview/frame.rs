@@ -5,6 +5,7 @@
 
 mod cast;
 mod soft;
+mod strip;
 mod tone;
 
 use super::camera::View;
@@ -19,6 +20,7 @@ use cast::{Glimpse, Sun};
 use glam::{Vec2, Vec3, Vec3Swizzles};
 use soft::{Rows, Texel};
 use std::ops::Range;
+use strip::{Crack, NOTHING, SOLID, Strip};
 use tone::Tones;
 
 /// Rows of pixels in a strip: its samples stay in the cache.
@@ -29,10 +31,6 @@ const CAST_STRIP: usize = 8;
 const TURNS: usize = 4;
 /// Groups of strips that are drawn side by side. Each remembers shades of its own.
 const GROUPS: usize = 4;
-/// No triangle.
-const NOTHING: u32 = u32::MAX;
-/// A solid instead.
-const SOLID: u32 = u32::MAX - 1;
 /// Rays to the sun from a pixel of the ground; its neighbours' add to them.
 const GROUND_BEAMS: usize = 4;
 /// Rays to the sun from the middle of a triangle.
@@ -43,8 +41,6 @@ const THIN: f32 = 1.5;
 const THIN_LEAF: f32 = 0.4;
 /// A facet smaller than this many pixels is shaded once and not at every pixel.
 const SMALL: f32 = 4.0;
-/// Part of a pixel over which something thin passes on into the next one.
-const SOFTNESS: f32 = 0.75;
 
 /// The weights of a triangle's corners in its middle.
 const MIDDLE: [f32; 3] = [1.0 / 3.0; 3];
@@ -255,13 +251,18 @@ impl<'a> Frame<'a> {
         // Surfaces of many small triangles hide what is behind them, although none of them is solid.
         strip.nearest.copy_from_slice(&strip.solid);
         let rows = strip.top..strip.top + strip.rows;
-        for (_, facet) in thin() {
+        let mut cracks = Vec::new();
+        for (member, facet) in thin() {
             raster::fill(self.places(facet), self.columns, rows.clone(), |x, y, nearness| {
-                let nearest = &mut strip.nearest[(y - strip.top) * self.columns + x];
-                *nearest = nearest.max(nearness);
+                let at = (y - strip.top) * self.columns + x;
+                strip.nearest[at] = strip.nearest[at].max(nearness);
+                if strip.facets[at] == NOTHING {
+                    cracks.push(Crack { column: x, row: y - strip.top, member, nearness });
+                }
             });
         }
         let margin = self.samples as f32;
+        strip.close(cracks, self.columns, |nearness| self.view.step(nearness) * 2.0 * margin);
         let low = Vec2::new(-margin, strip.top as f32 - margin);
         let high = Vec2::new(self.columns as f32, (strip.top + strip.rows) as f32) + margin;
         for (member, facet) in thin() {
@@ -437,75 +438,5 @@ impl Shades {
     fn new(facets: usize, parts: &[Placed<'_>]) -> Self {
         let copies = parts.iter().map(|part| vec![None; part.copies()]).collect();
         Self { facets: vec![None; facets], copies }
-    }
-}
-
-/// Some rows of samples, and the pixels they make.
-struct Strip {
-    top: usize,
-    rows: usize,
-    /// Nearness of solid triangles.
-    solid: Vec<f32>,
-    facets: Vec<u32>,
-    /// Nearness of all triangles.
-    nearest: Vec<f32>,
-    /// What is thin, a pixel: colour times coverage, and coverage.
-    over: Vec<(Vec3, f32)>,
-    /// Pixels in a row.
-    width: usize,
-    /// What is seen of the solid, where it is nearest; empty without one.
-    seen: Vec<Glimpse>,
-}
-
-impl Strip {
-    /// Of so many samples, and so many of them a pixel in each direction.
-    fn new(columns: usize, rows: usize, samples: usize) -> Self {
-        let width = columns / samples;
-        Self {
-            top: 0,
-            rows,
-            solid: vec![f32::NEG_INFINITY; columns * rows],
-            facets: vec![NOTHING; columns * rows],
-            nearest: vec![f32::NEG_INFINITY; columns * rows],
-            over: vec![(Vec3::ZERO, 0.0); width * (rows / samples)],
-            width,
-            seen: Vec::new(),
-        }
-    }
-
-    fn clear(&mut self, top: usize, rows: usize) {
-        (self.top, self.rows) = (top, rows);
-        self.solid.fill(f32::NEG_INFINITY);
-        self.facets.fill(NOTHING);
-        self.over.fill((Vec3::ZERO, 0.0));
-    }
-
-    /// Whether something is nearer than a place by more than `bias`.
-    fn hides(&self, place: Vec3, bias: f32, columns: usize) -> bool {
-        let column = (place.x.max(0.0) as usize).min(columns - 1);
-        let row = ((place.y - self.top as f32).max(0.0) as usize).min(self.rows - 1);
-        self.nearest[row * columns + column] > place.z + bias
-    }
-
-    /// Lays an area, in samples, over the four pixels around a place.
-    fn lay(&mut self, place: Vec3, area: f32, color: Vec3, samples: usize) {
-        let scale = 1.0 / samples as f32;
-        let width = self.width;
-        let (x, y) = (place.x * scale - 0.5, (place.y - self.top as f32) * scale - 0.5);
-        let pass = |fraction: f32| ((fraction - 0.5) / SOFTNESS + 0.5).clamp(0.0, 1.0);
-        let (left, above) = (x.floor(), y.floor());
-        let (right_share, lower_share) = (pass(x - left), pass(y - above));
-        let height = (self.rows / samples) as f32;
-        let coverage = area * scale * scale;
-        for (row, vertical) in [(above, 1.0 - lower_share), (above + 1.0, lower_share)] {
-            for (column, horizontal) in [(left, 1.0 - right_share), (left + 1.0, right_share)] {
-                if row >= 0.0 && row < height && column >= 0.0 && column < width as f32 {
-                    let share = coverage * vertical * horizontal;
-                    let (sum, total) = &mut self.over[row as usize * width + column as usize];
-                    *sum += color * share;
-                    *total += share;
-                }
-            }
-        }
     }
 }

@@ -1,7 +1,7 @@
 //! The renderer as a whole.
 
 use super::*;
-use crate::surface::{Instance, Tubes};
+use crate::surface::{Implicit, Instance, Tubes};
 use crate::{Skeleton, math};
 use glam::Quat;
 use proptest::prelude::*;
@@ -164,6 +164,27 @@ fn light_comes_through_leaves_alone() {
         picture.pixel(8, 8).expect("inside")[1]
     };
     assert!(lit(Material::leaf()) > lit(Material::leaf().with_double_sided(false)) + 40);
+}
+
+/// Marching cubes make triangles of all widths side by side.
+#[test]
+fn narrow_triangles_between_others_leave_hardly_a_crack() {
+    let points = vec![Vec3::ZERO, Vec3::new(0.3, 1.0, 0.1)];
+    let rod = Skeleton::new(points, vec![None, Some(0)]).and_then(|rod| rod.with_radii(vec![0.06; 2]));
+    for detail in [2.0, 4.0, 8.0] {
+        let mesh =
+            Implicit::default().with_detail(detail).mesh(rod.as_ref().expect("sound")).expect("a surface");
+        let preview = plain(100, 200).with_transparency(true).with_camera(level());
+        let picture = preview.draw(&mesh).expect("a picture");
+        let (mut inner, mut open) = (0, 0);
+        let alpha = |x: usize, y: usize| picture.alpha()[y * 100 + x];
+        for (x, y) in (3..197).flat_map(|y| (3..97).map(move |x| (x, y))) {
+            let is_inner = (y - 3..=y + 3).all(|y| (x - 3..=x + 3).all(|x| alpha(x, y) > 0));
+            inner += usize::from(is_inner);
+            open += usize::from(is_inner && alpha(x, y) < 255);
+        }
+        assert!(inner > 1000 && open * 500 < inner, "{open} of {inner}");
+    }
 }
 
 #[test]

@@ -1,0 +1,120 @@
+//! The samples of some rows of pixels.
+
+use super::cast::Glimpse;
+use glam::Vec3;
+
+/// No triangle.
+pub(super) const NOTHING: u32 = u32::MAX;
+/// A solid instead.
+pub(super) const SOLID: u32 = u32::MAX - 1;
+/// Part of a pixel over which something thin passes on into the next one.
+const SOFTNESS: f32 = 0.75;
+/// How far from a crack solid samples are looked for, in samples.
+const WIDEST_CRACK: isize = 4;
+
+/// A sample that only a thin triangle covers.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Crack {
+    pub(super) column: usize,
+    /// Within the strip.
+    pub(super) row: usize,
+    pub(super) member: u32,
+    pub(super) nearness: f32,
+}
+
+/// Some rows of samples, and the pixels they make.
+pub(super) struct Strip {
+    pub(super) top: usize,
+    pub(super) rows: usize,
+    /// Nearness of solid triangles.
+    pub(super) solid: Vec<f32>,
+    pub(super) facets: Vec<u32>,
+    /// Nearness of all triangles.
+    pub(super) nearest: Vec<f32>,
+    /// What is thin, a pixel: colour times coverage, and coverage.
+    pub(super) over: Vec<(Vec3, f32)>,
+    /// Pixels in a row.
+    pub(super) width: usize,
+    /// What is seen of the solid, where it is nearest; empty without one.
+    pub(super) seen: Vec<Glimpse>,
+}
+
+impl Strip {
+    /// Of so many samples, and so many of them a pixel in each direction.
+    pub(super) fn new(columns: usize, rows: usize, samples: usize) -> Self {
+        let width = columns / samples;
+        Self {
+            top: 0,
+            rows,
+            solid: vec![f32::NEG_INFINITY; columns * rows],
+            facets: vec![NOTHING; columns * rows],
+            nearest: vec![f32::NEG_INFINITY; columns * rows],
+            over: vec![(Vec3::ZERO, 0.0); width * (rows / samples)],
+            width,
+            seen: Vec::new(),
+        }
+    }
+
+    pub(super) fn clear(&mut self, top: usize, rows: usize) {
+        (self.top, self.rows) = (top, rows);
+        self.solid.fill(f32::NEG_INFINITY);
+        self.facets.fill(NOTHING);
+        self.over.fill((Vec3::ZERO, 0.0));
+    }
+
+    /// Whether something is nearer than a place by more than `bias`.
+    pub(super) fn hides(&self, place: Vec3, bias: f32, columns: usize) -> bool {
+        let column = (place.x.max(0.0) as usize).min(columns - 1);
+        let row = ((place.y - self.top as f32).max(0.0) as usize).min(self.rows - 1);
+        self.nearest[row * columns + column] > place.z + bias
+    }
+
+    /// Lays an area, in samples, over the four pixels around a place.
+    pub(super) fn lay(&mut self, place: Vec3, area: f32, color: Vec3, samples: usize) {
+        let scale = 1.0 / samples as f32;
+        let width = self.width;
+        let (x, y) = (place.x * scale - 0.5, (place.y - self.top as f32) * scale - 0.5);
+        let pass = |fraction: f32| ((fraction - 0.5) / SOFTNESS + 0.5).clamp(0.0, 1.0);
+        let (left, above) = (x.floor(), y.floor());
+        let (right_share, lower_share) = (pass(x - left), pass(y - above));
+        let height = (self.rows / samples) as f32;
+        let coverage = area * scale * scale;
+        for (row, vertical) in [(above, 1.0 - lower_share), (above + 1.0, lower_share)] {
+            for (column, horizontal) in [(left, 1.0 - right_share), (left + 1.0, right_share)] {
+                if row >= 0.0 && row < height && column >= 0.0 && column < width as f32 {
+                    let share = coverage * vertical * horizontal;
+                    let (sum, total) = &mut self.over[row as usize * width + column as usize];
+                    *sum += color * share;
+                    *total += share;
+                }
+            }
+        }
+    }
+
+    /// Makes cracks solid that have solid samples close behind and before them, in one of four directions: narrow triangles
+    /// between wide ones. Of several in one place the nearest.
+    pub(super) fn close(&mut self, cracks: Vec<Crack>, columns: usize, bias: impl Fn(f32) -> f32) {
+        let rows = self.rows;
+        let is_solid = |crack: &Crack, (right, down): (isize, isize)| {
+            (1..=WIDEST_CRACK).any(|step| {
+                let column = crack.column.checked_add_signed(right * step).filter(|&column| column < columns);
+                let row = crack.row.checked_add_signed(down * step).filter(|&row| row < rows);
+                let at = column.zip(row).map(|(column, row)| row * columns + column);
+                at.is_some_and(|at| {
+                    self.facets[at] < SOLID && (self.solid[at] - crack.nearness).abs() < bias(crack.nearness)
+                })
+            })
+        };
+        let is_narrow = |crack: &Crack| {
+            let ways = [(1, 0), (0, 1), (1, 1), (1, -1)];
+            ways.into_iter().any(|(x, y)| is_solid(crack, (x, y)) && is_solid(crack, (-x, -y)))
+        };
+        let narrow: Vec<Crack> = cracks.into_iter().filter(is_narrow).collect();
+        for Crack { column, row, member, nearness } in narrow {
+            let at = row * columns + column;
+            if nearness > self.solid[at] {
+                (self.solid[at], self.facets[at]) = (nearness, member);
+            }
+        }
+    }
+}
