@@ -221,6 +221,7 @@ impl Leaf {
     }
 
     /// Where it may be felt along a passage in its own space.
+    #[cfg_attr(not(feature = "preview"), allow(dead_code, reason = "only rays ask"))]
     pub(super) fn span(&self, passage: &Passage) -> Option<Span> {
         passage.near(self.from, self.way, self.inverse, self.thickest() * self.field.reach())
     }

@@ -294,6 +294,7 @@ impl Scene {
     }
 
     /// Where a leaf may be felt along a passage.
+    #[cfg_attr(not(feature = "preview"), allow(dead_code, reason = "only rays ask"))]
     pub(super) fn span(&self, leaf: u32, passage: &Passage) -> Option<Span> {
         let leaf = &self.leaves[leaf as usize];
         if leaf.warp == 0 {

@@ -9,6 +9,7 @@ mod grow;
 mod march;
 mod polygonizer;
 pub(crate) mod solid;
+#[cfg_attr(not(feature = "preview"), allow(dead_code, reason = "only rays ask"))]
 pub(crate) mod span;
 mod vertex;
 

@@ -48,6 +48,7 @@ pub(crate) trait Part: Send + Sync {
     }
 
     /// Between which places of a passage within the cube its values may be 0 or above; `None` if nowhere.
+    #[cfg_attr(not(feature = "preview"), allow(dead_code, reason = "only rays ask"))]
     fn span(&self, passage: &Passage) -> Option<Span> {
         Some((0.0, passage.length))
     }
