@@ -23,7 +23,7 @@ pub enum Projection {
 
 /// A camera that looks from a direction and stands where everything fits into the picture.
 ///
-/// By default it frames the meshes it is shown, exactly; [`framing`](Self::framing) fixes the frame, so that
+/// By default it frames the meshes it is shown, exactly; [`with_frame`](Self::with_frame) fixes the frame, so that
 /// several pictures have one scale.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Camera {
@@ -109,7 +109,7 @@ impl Camera {
                 low.is_finite() && high.is_finite() && low.cmple(high).all() && reach <= super::FARTHEST;
             ParameterError::unless(
                 holds,
-                "Camera.framing",
+                "Camera.frame",
                 (low, high),
                 "a box within a million kilometres",
             )?;
