@@ -107,12 +107,7 @@ impl Camera {
             let reach = low.abs().max(high.abs()).max_element();
             let holds =
                 low.is_finite() && high.is_finite() && low.cmple(high).all() && reach <= super::FARTHEST;
-            ParameterError::unless(
-                holds,
-                "Camera.frame",
-                (low, high),
-                "a box within a million kilometres",
-            )?;
+            ParameterError::unless(holds, "Camera.frame", (low, high), "a box within a million kilometres")?;
         }
         Ok(())
     }
