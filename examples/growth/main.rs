@@ -64,7 +64,7 @@ fn run(options: &Options) -> Result<(), Failure> {
 
     // All pictures are framed as the oldest tree is, so that it is the tree that grows and not the picture.
     let size = options.size;
-    let width = (size * 3 / 4).max(1);
+    let width = size * 3 / 4;
     let framed = |oldest: f32| -> Result<Preview, Failure> {
         let oldest = Look::at(preset, &growth, oldest, 4)?;
         let camera = Camera::default().with_frame(oldest.bounds().ok_or("nothing has sprouted yet")?);

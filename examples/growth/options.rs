@@ -14,8 +14,8 @@ cargo run --release --example growth -- [OPTIONS]
   --list          the presets, one a line, and nothing else
   --age YEARS     of the model, e.g. 12.5                      [the last of the preset's ages]
   --seed N        the seed                                     [the preset's]
-  --frames N      pictures of the animation, 2 to 1000       [one a year]
-  --size N        height of the animation's pictures, 16 to 8192 pixels [640]
+  --frames N      pictures of the animation, 2 to 1000         [one a year]
+  --size N        their height, 16 to 8192 pixels              [640]
   --skin          pictures of a blended skin with scars and ridges, cast ray by ray, and of a fork of the trunk as it ages
                   (NAME-close.png)                             [tubes]
   --out DIR       where files go; made if it is not there      [out]

@@ -176,10 +176,12 @@ impl Skin {
         let mut done: Vec<Option<Node>> = branches.iter().map(|_| None).collect();
         let mut borne: Vec<Vec<u32>> = vec![Vec::new(); branches.len()];
         let all: Vec<_> = branches.iter().collect();
-        let spring =
-            |number: usize| bearers[number].map(|bearer| (all[number].nodes(), all[bearer as usize].nodes()));
-        let springs: Vec<Option<Spring>> = (0..all.len())
-            .map(|number| spring(number).map(|(nodes, axis)| tailor.spring(nodes, axis)))
+        let springs: Vec<Option<Spring>> = all
+            .iter()
+            .zip(&bearers)
+            .map(|(branch, bearer)| {
+                bearer.map(|(bearer, place)| tailor.spring(branch.nodes(), all[bearer].nodes(), place))
+            })
             .collect();
         for (number, branch) in all.iter().enumerate().rev() {
             let mut node = tailor.axis(branch.nodes(), springs[number].as_ref())?;
@@ -189,8 +191,8 @@ impl Skin {
                 node = tailor.fork(node, part, spring)?;
             }
             done[number] = Some(node);
-            if let Some(bearer) = bearers[number] {
-                borne[bearer as usize].push(number as u32);
+            if let Some((bearer, _)) = bearers[number] {
+                borne[bearer].push(number as u32);
             }
         }
         match done.first_mut().and_then(Option::take) {
@@ -200,13 +202,13 @@ impl Skin {
     }
 }
 
-/// The branch that bears each branch; `None` for the trunk.
-fn bearers(skeleton: &Skeleton, branches: &Branches) -> Vec<Option<u32>> {
-    let mut home = vec![0u32; skeleton.len()];
+/// The branch that bears each branch, and where on its axis, in nodes; `None` for the trunk.
+fn bearers(skeleton: &Skeleton, branches: &Branches) -> Vec<Option<(usize, usize)>> {
+    let mut home = vec![(0, 0); skeleton.len()];
     for (number, branch) in branches.iter().enumerate() {
         let own = usize::from(number > 0);
-        for &node in &branch.nodes()[own..] {
-            home[node as usize] = number as u32;
+        for (place, &node) in branch.nodes().iter().enumerate().skip(own) {
+            home[node as usize] = (number, place);
         }
     }
     let bearer = |(number, branch): (usize, crate::skeleton::Branch<'_>)| {
@@ -252,12 +254,13 @@ impl Tailor<'_> {
         (self.age - f32::from(self.skeleton.stages()[node as usize])).max(0.0)
     }
 
-    fn spring(&self, nodes: &[u32], axis: &[u32]) -> Spring {
+    /// Of a lateral of those nodes on the node at that place of its bearer's axis.
+    fn spring(&self, nodes: &[u32], axis: &[u32], place: usize) -> Spring {
         let (at, first) = (nodes[0], nodes[1]);
         let (foot, own) = (self.position(at), self.radius(first));
         let thick = if self.radius(at) > 0.0 { self.radius(at) } else { own };
         let out = (self.position(first) - foot).normalize_or(Vec3::Y);
-        let along = self.direction(at, axis).unwrap_or(out);
+        let along = self.direction(axis, place).unwrap_or(out);
         let cosine = along.dot(out);
         let sine = (1.0 - cosine * cosine).max(0.0).sqrt().max(LEAST_SINE);
         Spring { foot, first, thick, own, along, out, sine, cosine }
@@ -360,9 +363,8 @@ impl Tailor<'_> {
         self.builder.bounded([bearer, lateral], style, field)
     }
 
-    /// Where an axis goes on at a node, or comes from at its tip.
-    fn direction(&self, at: u32, axis: &[u32]) -> Option<Vec3> {
-        let i = axis.iter().position(|&node| node == at)?;
+    /// Where an axis goes on at its i-th node, or comes from at its tip.
+    fn direction(&self, axis: &[u32], i: usize) -> Option<Vec3> {
         let [from, to] = [axis[i.saturating_sub(1)], axis[(i + 1).min(axis.len() - 1)]];
         (self.position(to) - self.position(from)).try_normalize()
     }

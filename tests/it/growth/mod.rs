@@ -3,4 +3,5 @@
 mod curves;
 mod figures;
 mod invariants;
+mod seasons;
 mod timelines;
