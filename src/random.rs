@@ -27,6 +27,8 @@ impl Purpose {
     pub const LATERAL: Self = Self(6);
     /// Seeds of trees: their number and where they fall.
     pub const SEEDS: Self = Self(7);
+    /// How a trunk strays from its line.
+    pub const LEADER: Self = Self(9);
     /// Where the marker points of space colonization lie.
     pub const MARKERS: Self = Self(8);
     /// What distinguishes a leaf from its neighbours, and which leaves fall.

@@ -2,7 +2,6 @@
 
 use super::graph::{Graph, GraphBuilder, GraphError};
 use super::refine::Refinement;
-use crate::math::UP;
 use crate::observer::Observer;
 use crate::parameter::ParameterError;
 use crate::random::{Purpose, derive};
@@ -12,9 +11,10 @@ use glam::Vec3;
 /// A graph around a finished tree, whatever made it: the stages begin with that tree instead of the root alone, and
 /// fill in twigs.
 ///
-/// The tree is divided anew and its nodes are nodes of the graph, as a [`Refinement`] does it with a tree of earlier
-/// stages. Guiding vectors of its nodes are the directions in which the tree comes to them. The stages of the
-/// [`TreeSynth`](super::TreeSynth) are counted on from the tree's last.
+/// The tree's nodes are nodes of the graph, and stay where they are unless the refinement
+/// [asks for relaxation](Refinement::with_relaxation); longer internodes are divided along a smooth curve. Radii that
+/// the tree has are the least that its branches have in the end. Guiding vectors of its nodes are the directions in
+/// which the tree comes to them. The stages of the [`TreeSynth`](super::TreeSynth) are counted on from the tree's last.
 ///
 /// ```
 /// use treesynth::glam::Vec3;
@@ -47,16 +47,8 @@ impl AroundTree {
 
 impl GraphBuilder for AroundTree {
     fn build(&self, seed: u64, observer: &dyn Observer) -> Result<Graph, GraphError> {
-        let mut vectors = vec![UP; self.tree.len()];
-        let at = |node: usize| self.tree.positions()[node];
-        for (node, parent) in self.tree.edges() {
-            vectors[node] = (at(node) - at(parent)).normalize_or(vectors[parent]);
-        }
-        let relaxed = self.tree.relaxed(0.5, self.refinement.relaxation());
-        let relaxed = relaxed.map_err(|error| GraphError::Other(error.to_string()))?;
-        let seed = derive(seed, 0, Purpose::NODES);
-        let (graph, carried) = self.refinement.surround(&relaxed, &vectors, seed, observer)?;
-        Ok(graph.with_planted(carried))
+        let carried = self.refinement.carry(&self.tree)?;
+        self.refinement.surround(&carried, false, derive(seed, 0, Purpose::NODES), observer)
     }
 
     fn check(&self) -> Result<(), ParameterError> {

@@ -9,11 +9,14 @@
 //! an [`EndpointPolicy`], and a [`RadiusModel`](crate::RadiusModel).
 
 mod around;
+mod context;
 mod endpoint;
+mod fork;
 mod graph;
 mod queue;
 mod refine;
 mod rule;
+mod run;
 mod search;
 mod synth;
 mod weight;
@@ -22,14 +25,15 @@ pub use around::AroundTree;
 pub use endpoint::{
     Count, EndpointError, EndpointPolicy, HopSurface, InShape, NearestTo, NearestToEach, Side, StageView,
 };
+pub use fork::Fork;
 pub use graph::{
-    Edges, GradedYao, Graph, GraphBuilder, GraphError, Lattice, NearSurface, PointCloud, PoissonYao,
+    Edges, GradedYao, Graph, GraphBuilder, GraphError, Lattice, Leader, NearSurface, PointCloud, PoissonYao,
     SizingField, SizingFn, Spacing,
 };
 pub use refine::Refinement;
 pub use rule::{
-    Bend, BendAxis, Blend, ByHeight, ByStage, FollowField, GuidingRule, Jitter, Source, SourceElevation,
-    SourceVector, Step,
+    Bend, BendAxis, Blend, ByHeight, ByStage, ByTree, FollowField, ForkAngle, GuidingRule, Jitter, Source,
+    SourceElevation, SourceVector, Step,
 };
 pub use search::{Search, SearchError};
 pub use synth::{Growth, Stage, SynthesisError, TreeSynth};

@@ -3,9 +3,8 @@
 //! Section 4 of the paper calls the memory of one fine graph "likely the largest limitation" and section 5 wants "a
 //! hierarchical or variable-resolution graph". Here memory grows with the tree, not with the space.
 
-use super::graph::{Graph, GraphError, around_tree};
+use super::graph::{Carried, Graph, GraphError, Sectors, around_tree};
 use super::search::Search;
-use super::synth::{SynthesisError, skeleton};
 use crate::observer::Observer;
 use crate::parameter::ParameterError;
 use crate::random::{Purpose, derive};
@@ -19,7 +18,7 @@ use std::sync::Arc;
 /// The tree so far is relaxed a little, carried over along a smooth curve (Catmull-Rom) and divided anew at the finer
 /// spacing: its nodes are fixed nodes of the new graph and its internodes edges. Around it, within a reach of some
 /// hops and inside a region, new nodes are placed as in [`PoissonYao`](super::PoissonYao), linked to the nearest
-/// node in each octant within three spacings. Policies and rules see the same traits as ever; lengths of hops
+/// node in each octant within three spacings; in the plane z = 0 if all nodes of the graph before lie in it. Policies and rules see the same traits as ever; lengths of hops
 /// shrink with the spacing.
 ///
 /// Memory: about 100 bytes a node of the new graph. Time: as for a graph and a search of that many nodes.
@@ -43,7 +42,7 @@ pub struct Refinement {
     region: Arc<dyn Shape>,
     spacing: f32,
     reach: u32,
-    relaxation: u32,
+    relaxation: Option<u32>,
 }
 
 impl std::fmt::Debug for Refinement {
@@ -60,14 +59,14 @@ impl std::fmt::Debug for Refinement {
 const HOP: f32 = 1.3;
 /// The longest edge of the finer graph, in spacings: no edge leaps from one limb's surroundings to another's.
 const LONGEST: f32 = 3.0;
-/// Length of the parts the tree is divided into, in spacings.
-const PART: f32 = 1.2;
 /// Voxels of the reach, in spacings, and the most of them.
 const VOXEL: f32 = 2.0;
 const MAX_VOXELS: f32 = 2e9;
 /// The most parts of a tree and nodes around it.
 const MAX_PARTS: f32 = 2e7;
 const MAX_NODES: f32 = 2e8;
+/// Passes of relaxation for a tree of earlier stages.
+const RELAXATION: u32 = 2;
 /// Nodes in a cube of the spacing.
 const DENSITY: f32 = 0.67;
 
@@ -76,7 +75,7 @@ impl Refinement {
     /// relaxed in two passes. The region holds the root. Half the spacing of the graph before is a good step; a
     /// wider one than before is allowed and makes the graph coarser. At most 2e7 parts of the tree and 2e8 nodes.
     pub fn new(region: impl Shape + 'static, spacing: f32) -> Self {
-        Self { region: Arc::new(region), spacing, reach: 6, relaxation: 2 }
+        Self { region: Arc::new(region), spacing, reach: 6, relaxation: None }
     }
 
     /// The reach in hops of the finer graph, in [1, 24]: those of the stage's endpoint surface and a margin of two
@@ -86,9 +85,10 @@ impl Refinement {
         self
     }
 
-    /// Passes of [`Skeleton::relaxed`], half way each, at most 1000.
+    /// Passes of [`Skeleton::relaxed`](crate::Skeleton::relaxed), half way each, at most 1000. 2 for the tree of
+    /// earlier stages; none for a tree that is given to [`AroundTree`](super::AroundTree), whose nodes stay.
     pub fn with_relaxation(mut self, passes: u32) -> Self {
-        self.relaxation = passes;
+        self.relaxation = Some(passes);
         self
     }
 
@@ -102,57 +102,74 @@ impl Refinement {
             self.reach,
             "in [1, 24] hops",
         )?;
-        ParameterError::unless(
-            self.relaxation <= 1000,
-            "Refinement.relaxation",
-            self.relaxation,
-            "at most 1000 passes",
-        )
+        let passes = self.relaxation.unwrap_or(RELAXATION);
+        ParameterError::unless(passes <= 1000, "Refinement.relaxation", passes, "at most 1000 passes")
     }
 
-    /// Puts the tree of `search` on a finer graph. Returns the new node of each place of the old tree.
+    /// Puts the trees of `search` on a finer graph. Returns the new node of each place of the old trees.
     pub(super) fn apply(
         &self,
         search: &mut Search<'_>,
         stage: usize,
         seed: u64,
         observer: &dyn Observer,
-    ) -> Result<Vec<u32>, SynthesisError> {
+    ) -> Result<Vec<u32>, GraphError> {
         let vectors: Vec<Vec3> = search.source_vectors();
-        let tree = skeleton(search)?.relaxed(0.5, self.relaxation)?;
+        let passes = self.relaxation.unwrap_or(RELAXATION);
+        let (mut carried, mut places) = (Carried::default(), vec![0; vectors.len()]);
+        for (tree, old) in search.skeletons().map_err(other)? {
+            let tree = tree.relaxed(0.5, passes).map_err(other)?;
+            self.check_length(&tree)?;
+            let vectors: Vec<Vec3> = old.iter().map(|&place| vectors[place]).collect();
+            let first = carried.places.len();
+            carried.add_tree(&tree, &vectors, self.spacing);
+            for (old, &new) in old.into_iter().zip(&carried.places[first..]) {
+                places[old] = new;
+            }
+        }
         let seed = derive(seed, stage as u32, Purpose::NODES);
-        let (graph, carried) = self.surround(&tree, &vectors, seed, observer)?;
-        search.adopt(graph, &carried);
-        Ok(carried.places)
+        // A tree in the plane stays in it.
+        let planar = search.graph().positions().iter().all(|position| position.z == 0.0);
+        let graph = self.surround(&carried, planar, seed, observer)?;
+        search.adopt(graph, &carried.tree);
+        Ok(places)
     }
 
-    pub(super) fn relaxation(&self) -> u32 {
-        self.relaxation
+    /// A tree of another method's, divided anew.
+    pub(super) fn carry(&self, tree: &Skeleton) -> Result<Carried, GraphError> {
+        let relaxed = tree.relaxed(0.5, self.relaxation.unwrap_or(0)).map_err(other)?;
+        self.check_length(&relaxed)?;
+        let mut carried = Carried::default();
+        carried.add_skeleton(&relaxed, self.spacing);
+        Ok(carried)
     }
 
-    /// The finer graph around a tree whose nodes have these guiding vectors.
-    pub(super) fn surround(
-        &self,
-        tree: &Skeleton,
-        vectors: &[Vec3],
-        seed: u64,
-        observer: &dyn Observer,
-    ) -> Result<(Graph, Carried), GraphError> {
-        let root = tree.positions()[0];
-        ParameterError::unless(
-            self.region.contains(root),
-            "Refinement.region",
-            self.region.bounds(),
-            "a shape that holds the root of the tree",
-        )?;
+    fn check_length(&self, tree: &Skeleton) -> Result<(), ParameterError> {
         let length: f32 = tree.edges().map(|(a, b)| tree.positions()[a].distance(tree.positions()[b])).sum();
         ParameterError::unless(
             length / self.spacing <= MAX_PARTS,
             "Refinement.spacing",
             self.spacing,
             "coarse enough to divide the tree into at most 20000000 parts",
-        )?;
-        let carried = carry(tree, vectors, self.spacing);
+        )
+    }
+
+    /// The finer graph around trees that have been divided.
+    pub(super) fn surround(
+        &self,
+        carried: &Carried,
+        planar: bool,
+        seed: u64,
+        observer: &dyn Observer,
+    ) -> Result<Graph, GraphError> {
+        for root in carried.roots() {
+            ParameterError::unless(
+                self.region.contains(root),
+                "Refinement.region",
+                self.region.bounds(),
+                "a shape that holds the root of each tree",
+            )?;
+        }
         let reach = Reach::new(
             &*self.region,
             &carried.positions,
@@ -165,100 +182,13 @@ impl Refinement {
             self.spacing,
             "coarse enough for at most 200000000 nodes within reach of the tree",
         )?;
-        let graph = around_tree(
-            &reach,
-            &carried.positions,
-            &carried.parents,
-            self.spacing,
-            LONGEST * self.spacing,
-            seed,
-            observer,
-        )?;
-        Ok((graph, carried))
+        let (sectors, longest) = (Sectors::new(8, planar), LONGEST * self.spacing);
+        around_tree(&reach, carried, self.spacing, longest, &sectors, seed, observer)
     }
 }
 
-/// A tree divided anew. Its nodes are the first of the finer graph, in this order.
-#[derive(Debug, Clone, PartialEq)]
-pub(super) struct Carried {
-    pub(super) positions: Vec<Vec3>,
-    /// The root's is itself.
-    pub(super) parents: Vec<u32>,
-    pub(super) stages: Vec<u16>,
-    pub(super) vectors: Vec<Vec3>,
-    pub(super) hops: Vec<u32>,
-    /// The new node of each old one.
-    places: Vec<u32>,
-}
-
-fn carry(tree: &Skeleton, vectors: &[Vec3], spacing: f32) -> Carried {
-    let mut carried = Carried {
-        positions: vec![tree.positions()[0]],
-        parents: vec![0],
-        stages: vec![0],
-        vectors: vec![vectors[0]],
-        hops: vec![0],
-        places: vec![0; tree.len()],
-    };
-    for branch in tree.branches().iter() {
-        let nodes = branch.nodes();
-        let at = |i: isize| {
-            let last = nodes.len() as isize - 1;
-            let node = |i: isize| tree.positions()[nodes[i.clamp(0, last) as usize] as usize];
-            // Beyond its ends the curve goes straight on.
-            match i {
-                _ if i < 0 => node(0) * 2.0 - node(1),
-                _ if i > last => node(last) * 2.0 - node(last - 1),
-                _ => node(i),
-            }
-        };
-        for i in 0..nodes.len() as isize - 1 {
-            let (from, to) = (nodes[i as usize] as usize, nodes[i as usize + 1] as usize);
-            // A tree of others may have nodes in one place.
-            if at(i).distance_squared(at(i + 1)) < f32::MIN_POSITIVE {
-                carried.places[to] = carried.places[from];
-                continue;
-            }
-            let parts = (at(i).distance(at(i + 1)) / (PART * spacing)).round().max(1.0) as u32;
-            for part in 1..=parts {
-                let t = part as f32 / parts as f32;
-                let parent = match part {
-                    1 => carried.places[from],
-                    _ => carried.positions.len() as u32 - 1,
-                };
-                let position = if part == parts {
-                    at(i + 1)
-                } else {
-                    catmull_rom([at(i - 1), at(i), at(i + 1), at(i + 2)], t)
-                };
-                carried.add(parent, position, tree.stages()[to], vectors[from].lerp(vectors[to], t));
-            }
-            carried.places[to] = carried.positions.len() as u32 - 1;
-        }
-    }
-    carried
-}
-
-impl Carried {
-    fn add(&mut self, parent: u32, position: Vec3, stage: u16, vector: Vec3) {
-        let before = parent as usize;
-        let goes_on = parent != 0 && self.stages[before] == stage;
-        self.hops.push(if goes_on { self.hops[before] + 1 } else { 1 });
-        self.vectors.push(vector.normalize_or(self.vectors[before]));
-        self.positions.push(position);
-        self.parents.push(parent);
-        self.stages.push(stage);
-    }
-}
-
-/// The uniform Catmull-Rom curve from `p[1]` to `p[2]` (Catmull and Rom 1974).
-fn catmull_rom(p: [Vec3; 4], t: f32) -> Vec3 {
-    let [a, b, c, d] = p;
-    (b * 2.0
-        + (c - a) * t
-        + (a * 2.0 - b * 5.0 + c * 4.0 - d) * (t * t)
-        + (b * 3.0 - a - c * 3.0 + d) * (t * t * t))
-        * 0.5
+fn other(error: impl std::fmt::Display) -> GraphError {
+    GraphError::Other(error.to_string())
 }
 
 /// What of a region lies near some nodes, to the precision of voxels.

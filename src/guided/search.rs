@@ -1,54 +1,53 @@
-//! Least-cost paths from the tree so far, with weights fixed lazily (sections 3.1.2 to 3.1.4).
+//! What is known of each node while trees grow: costs, paths, guiding vectors, and which are on the tree.
 
-use super::graph::Graph;
+use super::fork::{Fork, Parts};
+use super::graph::{Graph, Planted};
 use super::queue::Queue;
-use super::refine::Carried;
-use super::rule::{GuidingRule, Source, Step};
-use super::weight::{Star, WeightFn};
 use crate::math::UP;
-use crate::observer::{Cancelled, Observer, Work, report};
+use crate::observer::Cancelled;
+use crate::skeleton::{Skeleton, SkeletonError};
 use glam::Vec3;
 use std::ops::Deref;
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 
 /// Not a node; also: not on the tree.
-const NONE: u32 = u32::MAX;
-/// Nodes settled between two reports.
-const REPORT_EVERY: usize = 1 << 14;
-/// Edges whose weights are asked for together.
-const STAR: usize = 8;
+pub(super) const NONE: u32 = u32::MAX;
 
-/// The search through one graph and the tree that grows in it.
+/// The search through one graph and the trees that grow in it: one, or one for each of the graph's roots.
 ///
-/// A tree begins as the root alone. Each stage searches paths from all nodes of the tree, and the paths to some
-/// endpoints become part of it. A value can be used for many trees on one graph: what it holds is allocated once,
-/// 28 bytes a node; a refinement brings a graph and memory of its own.
+/// A tree begins as the root alone. Each stage searches paths from all nodes of the trees, and the paths to some
+/// endpoints become part of them. A value can be used for many trees on one graph: what it holds is allocated once,
+/// 36 bytes a node; a refinement brings a graph and memory of its own.
 #[derive(Debug, Clone)]
 pub struct Search<'g> {
     /// The graph that every new tree begins in.
     base: &'g Graph,
-    graph: Ground<'g>,
+    pub(super) graph: Ground<'g>,
     /// What the frontier asks for at every edge.
-    ways: Vec<Way>,
+    pub(super) ways: Vec<Way>,
     /// What a settled node leaves to those after it.
-    guides: Vec<Guide>,
+    pub(super) guides: Vec<Guide>,
     /// Index in `tree`, or `NONE`.
-    place: Vec<u32>,
-    /// Nodes of the tree, each after its parent.
-    tree: Vec<u32>,
+    pub(super) place: Vec<u32>,
+    /// Nodes of the trees, each after its parent.
+    pub(super) tree: Vec<u32>,
     /// Stage in which each node of `tree` joined.
     stages: Vec<u16>,
-    queue: Queue,
+    /// The least radius of each node of `tree`, metres; shorter where none is given for the rest.
+    radii: Vec<f32>,
+    /// The fork at each node of `tree`, worked out when a rule or a weight first asks in a stage.
+    forks: OnceLock<Vec<Fork>>,
+    pub(super) queue: Queue,
     /// A bit a node: the search stops when all of these are settled.
-    wanted: Vec<u64>,
-    complete: bool,
+    pub(super) wanted: Vec<u64>,
+    pub(super) complete: bool,
     /// Stages that the graph's own tree has used up.
-    stages_before: u16,
+    pub(super) stages_before: u16,
 }
 
 /// The graph that a search runs in: the one it was given, or a finer one of its own.
 #[derive(Debug, Clone)]
-enum Ground<'g> {
+pub(super) enum Ground<'g> {
     Base(&'g Graph),
     Finer(Arc<Graph>),
 }
@@ -67,22 +66,27 @@ impl Deref for Ground<'_> {
 
 /// The best way to a node so far.
 #[derive(Debug, Clone, Copy)]
-struct Way {
+pub(super) struct Way {
     /// 0 on the tree.
-    cost: f32,
-    parent: u32,
+    pub(super) cost: f32,
+    pub(super) parent: u32,
 }
 
-/// Guiding vector and hops of a settled node.
+/// What is known of a settled node.
 #[derive(Debug, Clone, Copy)]
-struct Guide {
-    vector: Vec3,
-    hops: u32,
+pub(super) struct Guide {
+    pub(super) vector: Vec3,
+    /// Edges and metres from the source of the stage in which it was settled.
+    pub(super) hops: u32,
+    pub(super) length: f32,
+    /// That source; on the tree the node itself.
+    pub(super) source: u32,
 }
 
 const NO_WAY: Way = Way { cost: f32::INFINITY, parent: NONE };
 /// Not settled: no rule may give this vector.
 const NO_VECTOR: Vec3 = Vec3::NAN;
+const NO_GUIDE: Guide = Guide { vector: NO_VECTOR, hops: 0, length: 0.0, source: NONE };
 
 /// What a rule or a weight did that no search can go on with.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
@@ -143,16 +147,6 @@ impl From<Cancelled> for SearchError {
     }
 }
 
-/// What a search runs with.
-pub(super) struct Terms<'a> {
-    pub(super) rule: &'a dyn GuidingRule,
-    pub(super) weight: &'a dyn WeightFn,
-    pub(super) stage: usize,
-    pub(super) stages: usize,
-    pub(super) seed: u64,
-    pub(super) observer: &'a dyn Observer,
-}
-
 impl<'g> Search<'g> {
     /// The root alone, or the tree that the graph was built [around](super::AroundTree); nothing searched.
     pub fn new(graph: &'g Graph) -> Self {
@@ -161,10 +155,12 @@ impl<'g> Search<'g> {
             base: graph,
             graph: Ground::Base(graph),
             ways: vec![NO_WAY; nodes],
-            guides: vec![Guide { vector: NO_VECTOR, hops: 0 }; nodes],
+            guides: vec![NO_GUIDE; nodes],
             place: vec![NONE; nodes],
             tree: Vec::new(),
             stages: Vec::new(),
+            radii: Vec::new(),
+            forks: OnceLock::new(),
             queue: Queue::default(),
             wanted: Vec::new(),
             complete: false,
@@ -187,26 +183,31 @@ impl<'g> Search<'g> {
         self.ways.clear();
         self.ways.resize(nodes, NO_WAY);
         self.guides.clear();
-        self.guides.resize(nodes, Guide { vector: NO_VECTOR, hops: 0 });
+        self.guides.resize(nodes, NO_GUIDE);
         self.place.clear();
         self.place.resize(nodes, NONE);
         self.tree.clear();
         self.stages.clear();
+        self.radii.clear();
     }
 
     /// Goes on with a tree that is carried over to a finer graph, whose first nodes are the tree's.
-    pub(super) fn adopt(&mut self, graph: Graph, carried: &Carried) {
+    pub(super) fn adopt(&mut self, graph: Graph, tree: &Planted) {
         self.stand_on(Ground::Finer(Arc::new(graph)));
-        self.take_over(carried);
+        self.take_over(tree);
     }
 
-    fn take_over(&mut self, carried: &Carried) {
+    fn take_over(&mut self, tree: &Planted) {
         self.forget();
-        for (node, &parent) in (0u32..).zip(&carried.parents) {
+        for (node, &parent) in (0u32..).zip(&tree.parents) {
             let i = node as usize;
-            self.ways[i].parent = if node == 0 { NONE } else { parent };
-            self.guides[i] = Guide { vector: carried.vectors[i], hops: carried.hops[i] };
-            self.join(node, carried.stages[i]);
+            self.ways[i].parent = if node == parent { NONE } else { parent };
+            let (vector, hops, length) = (tree.vectors[i], tree.hops[i], tree.lengths[i]);
+            self.guides[i] = Guide { vector, hops, length, source: node };
+            self.join(node, tree.stages[i]);
+        }
+        if tree.radii.iter().any(|&radius| radius > 0.0) {
+            self.radii.clone_from(&tree.radii);
         }
     }
 
@@ -216,12 +217,14 @@ impl<'g> Search<'g> {
             self.stages_before = tree.stages.iter().max().map_or(0, |stage| stage.saturating_add(1));
             return;
         }
-        let root = self.graph.root();
         self.forget();
-        self.ways[root as usize].parent = NONE;
-        // "The root node has distance zero, and has a vertical guiding vector."
-        self.guides[root as usize] = Guide { vector: UP, hops: 0 };
-        self.join(root, 0);
+        for i in 0..self.graph.roots().len() {
+            let root = self.graph.roots()[i];
+            self.ways[root as usize].parent = NONE;
+            // "The root node has distance zero, and has a vertical guiding vector."
+            self.guides[root as usize] = Guide { vector: UP, hops: 0, length: 0.0, source: root };
+            self.join(root, 0);
+        }
     }
 
     /// "Nodes that are not part of the structure are reinitialized" (section 3.1.4).
@@ -233,6 +236,7 @@ impl<'g> Search<'g> {
             }
         }
         self.queue.clear();
+        self.forks = OnceLock::new();
         self.complete = false;
     }
 
@@ -249,159 +253,10 @@ impl<'g> Search<'g> {
         self.forget();
     }
 
-    /// Searches from all nodes of the tree; to the end, or until all of `targets` are settled.
-    ///
-    /// Expects [`forget`](Self::forget) before it. Stopping is exact: weights are not negative, so later nodes cannot change the path to a settled one.
-    pub(super) fn run(&mut self, terms: &Terms<'_>, targets: Option<&[u32]>) -> Result<(), SearchError> {
-        let work = Work::Stage { index: terms.stage, of: terms.stages };
-        report(terms.observer, work, 0.0)?;
-        for index in 0..self.tree.len() {
-            let node = self.tree[index];
-            let source = Source {
-                node,
-                position: self.graph.position(node),
-                root: self.graph.position(self.graph.root()),
-                vector: self.guides[node as usize].vector,
-                stage: terms.stage,
-                seed: terms.seed,
-            };
-            self.guides[node as usize].vector = unit_vector(terms.rule.source(&source), terms.stage, node)?;
-            self.queue.push(0.0, node);
-        }
-        self.wanted.clear();
-        self.wanted.resize(self.graph.nodes().div_ceil(64), 0);
-        let mut left = targets.map(|targets| {
-            for &node in targets.iter().filter(|&&node| (node as usize) < self.graph.nodes()) {
-                self.wanted[node as usize / 64] |= 1 << (node % 64);
-            }
-            self.wanted.iter().map(|bits| bits.count_ones()).sum::<u32>()
-        });
-        let ground = self.graph.clone();
-        let mut count = 0;
-        loop {
-            let ways = &self.ways;
-            let mut read = 0;
-            let next = self.queue.pop(|cost, node| {
-                let fresh = cost <= ways[node as usize].cost;
-                if fresh {
-                    // Read ahead, so that the list is in the cache when the node is settled.
-                    read ^= ground.neighbours(node).first().copied().unwrap_or(0);
-                }
-                fresh
-            });
-            std::hint::black_box(read);
-            let Some((cost, node)) = next else { break };
-            // Stale: the node has been settled at a lower cost.
-            if cost > self.ways[node as usize].cost {
-                continue;
-            }
-            self.settle(&ground, node, terms)?;
-            if let Some(left) = &mut left
-                && self.wanted[node as usize / 64] >> (node % 64) & 1 == 1
-            {
-                *left -= 1;
-                if *left == 0 {
-                    return Ok(report(terms.observer, work, 1.0)?);
-                }
-            }
-            count += 1;
-            if count % REPORT_EVERY == 0 {
-                report(terms.observer, work, count as f32 / (self.graph.nodes() + 1) as f32)?;
-            }
-        }
-        self.complete = true;
-        Ok(report(terms.observer, work, 1.0)?)
-    }
-
-    /// "The event of finalizing a node's cost also fixes its guiding vector", then its edges get their weights.
-    fn settle(&mut self, graph: &Graph, node: u32, terms: &Terms<'_>) -> Result<(), SearchError> {
-        let here = node as usize;
-        let position = graph.position(node);
-        if self.place[here] == NONE {
-            let parent = self.ways[here].parent;
-            let start = graph.position(parent);
-            let way = position - start;
-            let length = way.length();
-            let before = self.guides[parent as usize];
-            let hops = if self.place[parent as usize] == NONE { before.hops + 1 } else { 1 };
-            let step = Step {
-                search: self,
-                node,
-                from: parent,
-                position,
-                edge: way / length,
-                length,
-                vector: before.vector,
-                hops,
-                stage: terms.stage,
-                seed: terms.seed,
-            };
-            let vector = unit_vector(terms.rule.guide(&step), terms.stage, node)?;
-            self.guides[here] = Guide { vector, hops };
-        }
-        let (vector, cost) = (self.guides[here].vector, self.ways[here].cost);
-        let mut ends = [(0, Vec3::ZERO); STAR];
-        let mut weights = [0.0; STAR];
-        for neighbours in graph.neighbours(node).chunks(STAR) {
-            let mut open = 0;
-            for &to in neighbours {
-                ends[open] = (to, graph.position(to));
-                // As cheap already, so settled or about to be: asking for the weight would be in vain.
-                open += usize::from(self.ways[to as usize].cost > cost);
-            }
-            let star = Star {
-                from: node,
-                start: position,
-                vector,
-                stage: terms.stage,
-                seed: terms.seed,
-                ends: &ends[..open],
-            };
-            terms.weight.weights(&star, &mut weights[..open]);
-            for (&(to, _), &weight) in ends[..open].iter().zip(&weights) {
-                if weight.is_nan() || weight < 0.0 {
-                    return Err(SearchError::Weight { stage: terms.stage, from: node, to, weight });
-                }
-                // `+ 0.0` turns a weight of -0 into 0, whose bits are in order.
-                let through = cost + weight + 0.0;
-                let known = &mut self.ways[to as usize];
-                if through < known.cost {
-                    *known = Way { cost: through, parent: node };
-                    self.queue.push(through, to);
-                }
-            }
-        }
-        Ok(())
-    }
-
-    /// Adds the least-cost paths to `endpoints` to the tree.
-    pub(super) fn extend(&mut self, endpoints: &[u32], stage: usize) -> Result<(), SearchError> {
-        for &node in endpoints {
-            if node as usize >= self.graph.nodes() {
-                return Err(SearchError::UnknownEndpoint { stage, node, nodes: self.graph.nodes() });
-            }
-            if !self.is_settled(node) {
-                return Err(SearchError::Unreachable { stage, node });
-            }
-        }
-        let joined = self.stages_before.saturating_add(stage as u16);
-        let mut path = Vec::new();
-        for &endpoint in endpoints {
-            let mut node = endpoint;
-            while self.place[node as usize] == NONE {
-                path.push(node);
-                node = self.ways[node as usize].parent;
-            }
-            while let Some(node) = path.pop() {
-                self.join(node, joined);
-            }
-        }
-        Ok(())
-    }
-
-    fn join(&mut self, node: u32, stage: u16) {
+    pub(super) fn join(&mut self, node: u32, stage: u16) {
         self.place[node as usize] = self.tree.len() as u32;
         self.ways[node as usize].cost = 0.0;
+        self.guides[node as usize].source = node;
         self.tree.push(node);
         self.stages.push(stage);
     }
@@ -409,6 +264,11 @@ impl<'g> Search<'g> {
     /// The graph; after a [`Refinement`](super::Refinement) the finer one.
     pub fn graph(&self) -> &Graph {
         &self.graph
+    }
+
+    /// Roots that the next trees begin with.
+    pub(super) fn roots(&self) -> usize {
+        self.base.roots().len()
     }
 
     /// The finer graph, if there has been a refinement.
@@ -419,7 +279,7 @@ impl<'g> Search<'g> {
         }
     }
 
-    /// The nodes of the tree so far, the root first, each after its parent.
+    /// The nodes of the trees so far, the roots first, each after its parent.
     pub fn tree(&self) -> &[u32] {
         &self.tree
     }
@@ -474,23 +334,43 @@ impl<'g> Search<'g> {
         self.guides[node as usize].hops
     }
 
-    /// The node of the tree that the path to `node` starts from. O(hops).
-    pub fn source(&self, node: u32) -> Option<u32> {
-        let mut node = node;
-        while !self.is_on_tree(node) {
-            node = self.parent(node)?;
-        }
-        Some(node)
+    /// Metres of path from the source of the stage in which `node` was settled; 0 at a root.
+    pub fn path_length(&self, node: u32) -> f32 {
+        self.guides[node as usize].length
     }
-}
 
-#[inline]
-fn unit_vector(vector: Vec3, stage: usize, node: u32) -> Result<Vec3, SearchError> {
-    let length = vector.length_squared();
-    if (length - 1.0).abs() < 1e-6 {
-        return Ok(vector);
+    /// The node of the tree that the path to `node` starts from: itself on the tree, `None` if not settled.
+    pub fn source(&self, node: u32) -> Option<u32> {
+        self.is_settled(node).then(|| self.guides[node as usize].source)
     }
-    // The largest part first, so that no square over- or underflows.
-    let scaled = vector / vector.abs().max_element();
-    scaled.try_normalize().ok_or(SearchError::Vector { stage, node, vector })
+
+    /// The parent branch at a node of the tree, as it was when the stage began; `None` off the tree. O(1); the first
+    /// call of a stage takes O(n) for the n nodes of the tree.
+    pub fn fork(&self, node: u32) -> Option<Fork> {
+        let forks = self.forks.get_or_init(|| {
+            let mut forks = vec![Fork::new(UP); self.tree.len()];
+            // A tree of distinct nodes in parents' order is a skeleton.
+            for (number, (skeleton, places)) in (0u32..).zip(self.skeletons().unwrap_or_default()) {
+                for (fork, place) in Fork::all(&skeleton, number).into_iter().zip(places) {
+                    forks[place] = fork;
+                }
+            }
+            forks
+        });
+        forks.get(self.place(node)?).copied()
+    }
+
+    /// The trees so far, one a root, without radii but those that were given; and the place in
+    /// [`tree`](Self::tree) of each of their nodes.
+    pub(super) fn skeletons(&self) -> Result<Vec<(Skeleton, Vec<usize>)>, SkeletonError> {
+        let parent = |&node: &u32| self.parent(node).map(|parent| self.place[parent as usize]);
+        let parts = Parts {
+            positions: self.tree.iter().map(|&node| self.graph.position(node)).collect(),
+            parents: self.tree.iter().map(parent).collect(),
+            stages: &self.stages,
+            hops: self.tree.iter().map(|&node| self.hops(node)).collect(),
+            radii: &self.radii,
+        };
+        parts.skeletons()
+    }
 }

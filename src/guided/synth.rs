@@ -4,7 +4,8 @@ use super::endpoint::{EndpointError, EndpointPolicy, StageView};
 use super::graph::{Graph, GraphBuilder, GraphError};
 use super::refine::Refinement;
 use super::rule::GuidingRule;
-use super::search::{Search, SearchError, Terms};
+use super::run::Terms;
+use super::search::{Search, SearchError};
 use super::weight::{Guided, WeightFn};
 use crate::observer::{Cancelled, Observer, Silent, Work, report};
 use crate::parameter::ParameterError;
@@ -276,17 +277,62 @@ impl TreeSynth {
         Ok(self.grow(&mut Search::new(graph), seed, &Silent)?.skeleton)
     }
 
+    /// Builds the graph and grows a tree from each of its [roots](Graph::roots). All trees compete in one search: a node
+    /// belongs to the tree whose path to it costs least, so no two trees share one and crowns give way to each other.
+    /// In the order of the roots. Which rule guides which tree: [`ByTree`](super::ByTree).
+    ///
+    /// ```
+    /// use treesynth::glam::Vec3;
+    /// use treesynth::guided::{Bend, InShape, NearestToEach, PoissonYao, Stage, TreeSynth};
+    /// use treesynth::shape::Cuboid;
+    ///
+    /// let region = Cuboid::new(Vec3::new(-4.0, 0.0, -2.0), Vec3::new(4.0, 5.0, 2.0));
+    /// let feet = [Vec3::X * -2.0, Vec3::X * 2.0];
+    /// let crowns = Cuboid::new(Vec3::new(-4.0, 2.0, -2.0), Vec3::new(4.0, 5.0, 2.0));
+    /// let trees = TreeSynth::new(PoissonYao::new(region).with_nodes(10_000).with_roots(feet))
+    ///     .stage(Stage::new(Bend::none(), NearestToEach::new(feet.map(|foot| foot + Vec3::Y * 3.0))))
+    ///     .stage(Stage::new(Bend::piecewise(1.0, 0.0, 1), InShape::poisson_disc(crowns, 60)))
+    ///     .synthesize_all(1)?;
+    /// assert_eq!(trees.len(), 2);
+    /// # Ok::<(), treesynth::SynthesisError>(())
+    /// ```
+    ///
+    /// # Errors
+    /// As [`synthesize`](Self::synthesize).
+    pub fn synthesize_all(&self, seed: u64) -> Result<Vec<Skeleton>, SynthesisError> {
+        self.check()?;
+        let graph = self.build_graph(seed, &Silent)?;
+        let grown = self.grow_all(&mut Search::new(&graph), seed, &Silent)?;
+        Ok(grown.into_iter().map(|growth| growth.skeleton).collect())
+    }
+
     /// As [`synthesize_on`](Self::synthesize_on), in memory that can be used again for the next tree, and with all
     /// there is to know about the result. Afterwards `search` still holds the tree and the last stage's search.
     ///
     /// # Errors
-    /// As `synthesize`, and [`SynthesisError::Cancelled`].
+    /// As `synthesize`, [`SynthesisError::Cancelled`], and a parameter error where the graph has several roots.
     pub fn grow(
         &self,
         search: &mut Search<'_>,
         seed: u64,
         observer: &dyn Observer,
     ) -> Result<Growth, SynthesisError> {
+        let roots = search.roots();
+        ParameterError::unless(roots == 1, "Graph.roots", roots, "1; synthesize_all and grow_all take several")?;
+        let mut grown = self.grow_all(search, seed, observer)?;
+        Ok(grown.swap_remove(0))
+    }
+
+    /// As [`grow`](Self::grow), a tree from each root of the graph, in their order.
+    ///
+    /// # Errors
+    /// As `synthesize`, and [`SynthesisError::Cancelled`].
+    pub fn grow_all(
+        &self,
+        search: &mut Search<'_>,
+        seed: u64,
+        observer: &dyn Observer,
+    ) -> Result<Vec<Growth>, SynthesisError> {
         self.check_growth()?;
         search.reset();
         let mut endpoints: Vec<Vec<u32>> = Vec::new();
@@ -303,11 +349,34 @@ impl TreeSynth {
             endpoints.push(self.search_stage(search, stage, seed, observer)?);
         }
         report(observer, Work::Radii, 0.0)?;
-        let skeleton = skeleton(search)?;
-        let radii = self.radius.radii(&skeleton)?;
-        let skeleton = skeleton.with_radii(radii)?;
+        let trees = search.skeletons()?;
+        let several = trees.len() > 1;
+        let grown = trees.into_iter().map(|(skeleton, places)| {
+            let skeleton = self.thicken(skeleton)?;
+            let nodes: Vec<u32> = places.into_iter().map(|place| search.tree()[place]).collect();
+            let mut endpoints = endpoints.clone();
+            if several {
+                let mut own = nodes.clone();
+                own.sort_unstable();
+                endpoints.iter_mut().for_each(|stage| stage.retain(|node| own.binary_search(node).is_ok()));
+            }
+            Ok(Growth { skeleton, nodes, endpoints, graph: search.finer_graph() })
+        });
+        let grown = grown.collect::<Result<_, SynthesisError>>()?;
         report(observer, Work::Radii, 1.0)?;
-        Ok(Growth { skeleton, nodes: search.tree().to_vec(), endpoints, graph: search.finer_graph() })
+        Ok(grown)
+    }
+
+    /// The model's radii, but none below what the skeleton has.
+    fn thicken(&self, skeleton: Skeleton) -> Result<Skeleton, SynthesisError> {
+        let mut radii = self.radius.radii(&skeleton)?;
+        if radii.len() == skeleton.len() && skeleton.radii().iter().any(|&least| least > 0.0) {
+            radii.iter_mut().zip(skeleton.radii()).for_each(|(radius, &least)| *radius = radius.max(least));
+            for (node, parent) in skeleton.edges().rev() {
+                radii[parent] = radii[parent].max(radii[node]);
+            }
+        }
+        Ok(skeleton.with_radii(radii)?)
     }
 
     /// One stage alone: searches from the tree in `search`, adds the paths to the endpoints and returns those.
@@ -352,7 +421,7 @@ impl TreeSynth {
         observer: &dyn Observer,
     ) -> Result<Option<Vec<u32>>, SynthesisError> {
         let refinement = self.numbered(stage)?.refinement.as_ref();
-        refinement.map(|refinement| refinement.apply(search, stage, seed, observer)).transpose()
+        Ok(refinement.map(|refinement| refinement.apply(search, stage, seed, observer)).transpose()?)
     }
 
     fn search_stage(
@@ -390,16 +459,4 @@ impl TreeSynth {
         }
         result
     }
-}
-
-/// The tree so far as a skeleton without radii.
-pub(super) fn skeleton(search: &Search<'_>) -> Result<Skeleton, SkeletonError> {
-    let tree = search.tree();
-    let positions = tree.iter().map(|&node| search.graph().position(node)).collect();
-    let parents = tree
-        .iter()
-        .map(|&node| search.parent(node).and_then(|parent| search.place(parent)).map(|place| place as u32))
-        .collect();
-    let hops = tree.iter().map(|&node| search.hops(node)).collect();
-    Skeleton::new(positions, parents)?.with_stages(search.stages().to_vec())?.with_hops(hops)
 }

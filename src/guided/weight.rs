@@ -1,5 +1,7 @@
 //! What an edge costs (section 3.1.2).
 
+use super::context::Context;
+use super::fork::Fork;
 use crate::math::{UP, cos, powf, sin};
 use crate::parameter::ParameterError;
 use crate::shape::Shape;
@@ -25,14 +27,14 @@ use std::sync::Arc;
 /// struct Heavy { gravity: f32 }
 ///
 /// impl WeightFn for Heavy {
-///     fn weight(&self, edge: &Edge) -> f32 {
+///     fn weight(&self, edge: &Edge<'_>) -> f32 {
 ///         edge.guided() + self.gravity * (edge.end.y - edge.start.y).max(0.0)
 ///     }
 /// }
 /// ```
 pub trait WeightFn: Send + Sync {
     /// The weight of `edge`.
-    fn weight(&self, edge: &Edge) -> f32;
+    fn weight(&self, edge: &Edge<'_>) -> f32;
 
     /// The weights of a star's edges, in their order. The search asks for no others, so that one call through a
     /// pointer serves many edges. Calls [`weight`](Self::weight) for each; override it only to share work between
@@ -60,7 +62,7 @@ pub trait WeightFn: Send + Sync {
 macro_rules! forward {
     ($($pointer:ty),*) => {$(
         impl<T: WeightFn + ?Sized> WeightFn for $pointer {
-            fn weight(&self, edge: &Edge) -> f32 {
+            fn weight(&self, edge: &Edge<'_>) -> f32 {
                 (**self).weight(edge)
             }
             fn weights(&self, star: &Star<'_>, weights: &mut [f32]) {
@@ -80,7 +82,9 @@ forward!(&T, Box<T>, Arc<T>);
 /// An edge of the graph, as seen from a settled node.
 #[derive(Debug, Clone, Copy)]
 #[non_exhaustive]
-pub struct Edge {
+pub struct Edge<'a> {
+    pub(super) context: Context<'a>,
+    pub(super) source: u32,
     /// The node it starts from.
     pub from: u32,
     /// The node it leads to.
@@ -95,6 +99,12 @@ pub struct Edge {
     pub length: f32,
     /// The unit guiding vector of the node it starts from.
     pub vector: Vec3,
+    /// Least cost from the tree to the node it starts from.
+    pub cost: f32,
+    /// Edges from the source of this stage to the node it starts from; 0 on the tree.
+    pub hops: u32,
+    /// Metres of path from the source of this stage to the node it starts from; 0 on the tree.
+    pub path_length: f32,
     /// The stage, from 0.
     pub stage: usize,
     /// The seed of the tree.
@@ -105,16 +115,21 @@ pub struct Edge {
 /// lead to something cheaper.
 #[derive(Debug, Clone, Copy)]
 pub struct Star<'a> {
+    pub(super) context: Context<'a>,
     pub(super) from: u32,
+    pub(super) source: u32,
     pub(super) start: Vec3,
     pub(super) vector: Vec3,
+    pub(super) cost: f32,
+    pub(super) hops: u32,
+    pub(super) path_length: f32,
     pub(super) stage: usize,
     pub(super) seed: u64,
     /// The nodes that they lead to, and where those are.
     pub(super) ends: &'a [(u32, Vec3)],
 }
 
-impl Star<'_> {
+impl<'a> Star<'a> {
     /// The number of edges.
     pub fn edges(&self) -> usize {
         self.ends.len()
@@ -125,11 +140,13 @@ impl Star<'_> {
     /// # Panics
     /// When there is no edge `i`.
     #[inline]
-    pub fn edge(&self, i: usize) -> Edge {
+    pub fn edge(&self, i: usize) -> Edge<'a> {
         let (to, end) = self.ends[i];
         let way = end - self.start;
         let length = way.length();
         Edge {
+            context: self.context,
+            source: self.source,
             from: self.from,
             to,
             start: self.start,
@@ -137,13 +154,55 @@ impl Star<'_> {
             direction: way / length,
             length,
             vector: self.vector,
+            cost: self.cost,
+            hops: self.hops,
+            path_length: self.path_length,
             stage: self.stage,
             seed: self.seed,
         }
     }
 }
 
-impl Edge {
+impl Edge<'static> {
+    /// An edge to try a weight with: from node 0, the root of a trunk that points up, at `start` to node 1 at `end`
+    /// (metres, not the same place), with a guiding vector of any length but zero. The fields can be set.
+    pub fn new(start: Vec3, end: Vec3, vector: Vec3) -> Self {
+        let way = end - start;
+        Self {
+            context: Context::Alone { start, end, root: start, fork: Fork::new(UP) },
+            source: 0,
+            from: 0,
+            to: 1,
+            start,
+            end,
+            direction: way.normalize_or(UP),
+            length: way.length(),
+            vector: vector.normalize_or(UP),
+            cost: 0.0,
+            hops: 0,
+            path_length: 0.0,
+            stage: 0,
+            seed: 0,
+        }
+    }
+}
+
+impl Edge<'_> {
+    /// The node of the tree that the path to its start comes from; its start itself on the tree.
+    pub fn source(&self) -> u32 {
+        self.source
+    }
+
+    /// The parent branch at the source. O(1); the first call of a stage takes O(n) for the n nodes of the tree.
+    pub fn fork(&self) -> Fork {
+        self.context.fork(self.source)
+    }
+
+    /// Where the root of the tree is, metres.
+    pub fn root(&self) -> Vec3 {
+        self.context.root(self.source)
+    }
+
     /// The paper's weight, `d (1 - e·v)`: 0 along the guiding vector, 2d against it.
     #[inline]
     pub fn guided(&self) -> f32 {
@@ -163,7 +222,7 @@ pub struct Guided;
 
 impl WeightFn for Guided {
     #[inline]
-    fn weight(&self, edge: &Edge) -> f32 {
+    fn weight(&self, edge: &Edge<'_>) -> f32 {
         edge.guided()
     }
 }
@@ -197,7 +256,7 @@ impl GuidedPower {
 }
 
 impl WeightFn for GuidedPower {
-    fn weight(&self, edge: &Edge) -> f32 {
+    fn weight(&self, edge: &Edge<'_>) -> f32 {
         powf(edge.length, self.length) * powf(edge.deviation(), self.deviation)
     }
 
@@ -216,7 +275,7 @@ impl WeightFn for GuidedPower {
 pub struct Length;
 
 impl WeightFn for Length {
-    fn weight(&self, edge: &Edge) -> f32 {
+    fn weight(&self, edge: &Edge<'_>) -> f32 {
         edge.length
     }
 }
@@ -253,7 +312,7 @@ impl Multimodal {
 }
 
 impl WeightFn for Multimodal {
-    fn weight(&self, edge: &Edge) -> f32 {
+    fn weight(&self, edge: &Edge<'_>) -> f32 {
         let mut least = edge.deviation();
         for &(direction, factor) in &self.directions {
             let cosine = edge.direction.dot(direction.normalize_or(UP));
@@ -307,7 +366,7 @@ impl<W: WeightFn, S: Shape> Within<W, S> {
 }
 
 impl<W: WeightFn, S: Shape> WeightFn for Within<W, S> {
-    fn weight(&self, edge: &Edge) -> f32 {
+    fn weight(&self, edge: &Edge<'_>) -> f32 {
         let inside =
             self.shape.contains(edge.end) || self.shape.contains(edge.start + (edge.end - edge.start) * 0.5);
         match (inside, self.factor == f32::INFINITY) {

@@ -11,6 +11,7 @@ mod figures;
 mod foliage;
 #[cfg(feature = "json")]
 mod growth;
+mod hull;
 #[cfg(feature = "testing")]
 mod invariants;
 mod layers;

@@ -9,9 +9,8 @@ pub use volume::{InShape, NearestTo, NearestToEach};
 use super::graph::Graph;
 use super::search::Search;
 use crate::parameter::ParameterError;
-use crate::random::{Purpose, stream};
+use crate::random::{Purpose, derive, stream};
 use glam::Vec3;
-use rand::seq::SliceRandom;
 use rand_chacha::ChaCha8Rng;
 use std::sync::Arc;
 
@@ -151,6 +150,11 @@ pub struct StageView<'a> {
 }
 
 impl<'a> StageView<'a> {
+    /// What a policy would see now, to try one with.
+    pub fn new(search: &'a Search<'a>, stage: usize, seed: u64) -> Self {
+        Self { search, stage, seed }
+    }
+
     /// The tree so far, and this stage's costs and paths if the policy [needs](EndpointPolicy::needs_search) them.
     pub fn search(&self) -> &'a Search<'a> {
         self.search
@@ -197,8 +201,16 @@ impl<'a> StageView<'a> {
     }
 }
 
-/// `count` of the candidates, all choices equally likely.
-fn choose_uniform(mut candidates: Vec<u32>, count: usize, random: &mut ChaCha8Rng) -> Vec<u32> {
-    let (chosen, _) = candidates.partial_shuffle(random, count);
-    chosen.to_vec()
+/// `count` of the candidates, all choices equally likely: those that draw the lowest numbers. A node's number is its own,
+/// so that with other candidates here the choice elsewhere stays.
+fn choose_uniform(candidates: Vec<u32>, count: usize, view: &StageView<'_>) -> Vec<u32> {
+    let key = derive(view.seed, view.stage as u32, Purpose::ENDPOINTS);
+    let draw = |node: u32| (derive(key, node, Purpose::ENDPOINTS), node);
+    let mut drawn: Vec<(u64, u32)> = candidates.into_iter().map(draw).collect();
+    if count < drawn.len() {
+        drawn.select_nth_unstable(count);
+        drawn.truncate(count);
+    }
+    drawn.sort_unstable();
+    drawn.into_iter().map(|(_, node)| node).collect()
 }

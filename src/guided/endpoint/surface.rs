@@ -1,11 +1,11 @@
 //! Late endpoints: on a surface extrapolated from the tree so far (section 3.2.3).
 
 use super::{Count, EndpointError, EndpointPolicy, StageView, choose_uniform};
-use crate::guided::graph::Graph;
+use crate::guided::queue::Queue;
 use crate::parameter::ParameterError;
 use crate::random::{Purpose, unit};
+use glam::Vec3;
 use std::cmp::Reverse;
-use std::collections::BinaryHeap;
 
 /// Endpoints among the nodes exactly k hops from the tree, of which the outermost fraction t is kept.
 ///
@@ -21,6 +21,16 @@ pub struct HopSurface {
     outermost: f32,
     randomness: f32,
     side: Option<Side>,
+    /// Metres of a hop, where hops are counted by path length.
+    hop: Option<f32>,
+}
+
+/// How far a node is from the nearest source, in hops.
+#[derive(Clone, Copy)]
+struct Distance {
+    whole: f32,
+    /// Of the last edge alone.
+    last: f32,
 }
 
 /// On which side of the source of its path an endpoint may be.
@@ -37,7 +47,7 @@ impl HopSurface {
     /// `count` endpoints exactly `hops` edges, in [1, 1000], from the tree. t is 0.6: "we consider this to strike
     /// a good balance and have used it for most of our examples".
     pub fn new(hops: u32, count: impl Into<Count>) -> Self {
-        Self { hops, count: count.into(), outermost: 0.6, randomness: 0.0, side: None }
+        Self { hops, count: count.into(), outermost: 0.6, randomness: 0.0, side: None, hop: None }
     }
 
     /// The fraction t of the surface's nodes that is kept, the outermost, in (0, 1]. 1 covers "the entire tree
@@ -47,10 +57,18 @@ impl HopSurface {
         self
     }
 
-    /// Graph distance with random weights instead of hops: each edge counts 1 ± `randomness`, in [0, 1), and the
-    /// surface is where the distance rounds to k. 0 counts hops.
+    /// Graph distance with random weights instead of hops: each edge counts 1 ± `randomness` times as much, in [0, 1),
+    /// and the surface holds the nodes that come nearest to k. 0 counts hops.
     pub fn with_random_weights(mut self, randomness: f32) -> Self {
         self.randomness = randomness;
+        self
+    }
+
+    /// Counts hops by metres of path along edges: k hops are k times `metres`, finite and above 0, and the surface holds
+    /// the nodes that come nearest to that on their way from the tree. Twigs then are as long on graphs of any
+    /// spacing; by edges, as in the paper, they are as long as the graph is coarse. At least one edge.
+    pub fn with_hop_length(mut self, metres: f32) -> Self {
+        self.hop = Some(metres);
         self
     }
 
@@ -60,40 +78,60 @@ impl HopSurface {
         self
     }
 
-    /// Distance of each node from the nearest of `sources`, up to `limit`.
-    fn distances(&self, graph: &Graph, sources: &[u32], limit: f32, view: &StageView<'_>) -> Vec<f32> {
-        let mut distance = vec![f32::INFINITY; graph.nodes()];
-        let mut queue = BinaryHeap::new();
+    /// Distance of each node, in hops, from the nearest of `sources`, and that of the last edge on the way; infinite from
+    /// beyond `limit` on.
+    fn distances(&self, sources: &[u32], limit: f32, view: &StageView<'_>) -> Vec<Distance> {
+        let graph = view.graph();
+        let mut distances = vec![Distance { whole: f32::INFINITY, last: 0.0 }; graph.nodes()];
+        let mut queue = Queue::default();
         for &source in sources {
-            distance[source as usize] = 0.0;
-            queue.push(Reverse((0u32, source)));
+            distances[source as usize].whole = 0.0;
+            queue.push(0.0, source);
         }
-        while let Some(Reverse((bits, node))) = queue.pop() {
-            let here = f32::from_bits(bits);
-            if here > distance[node as usize] {
+        while let Some((here, node)) = queue.pop(|_, _| true) {
+            if here > distances[node as usize].whole || here >= limit {
                 continue;
             }
             for &to in graph.neighbours(node) {
-                let edge = u64::from(node) << 32 | u64::from(to);
-                let draw = unit(view.seed(), view.stage() as u32, Purpose::EDGE_WEIGHT, edge);
-                let there = here + 1.0 + self.randomness * (2.0 * draw - 1.0);
-                if there <= limit && there < distance[to as usize] {
-                    distance[to as usize] = there;
-                    queue.push(Reverse((there.to_bits(), to)));
+                let last = self.weight(node, to, view);
+                let known = &mut distances[to as usize];
+                if here + last < known.whole {
+                    *known = Distance { whole: here + last, last };
+                    queue.push(here + last, to);
                 }
             }
         }
-        distance
+        distances
+    }
+
+    /// The length of an edge in hops.
+    fn weight(&self, from: u32, to: u32, view: &StageView<'_>) -> f32 {
+        let hops = self.hop.map_or(1.0, |hop| {
+            view.graph().position(from).distance(view.graph().position(to)) / hop
+        });
+        if self.randomness == 0.0 {
+            return hops;
+        }
+        let edge = u64::from(from) << 32 | u64::from(to);
+        let draw = unit(view.seed(), view.stage() as u32, Purpose::EDGE_WEIGHT, edge);
+        hops * (1.0 + self.randomness * (2.0 * draw - 1.0))
     }
 
     /// The surface: nodes k hops from the tree, ascending.
     fn surface(&self, view: &StageView<'_>) -> Vec<u32> {
         let (graph, search) = (view.graph(), view.search());
-        if self.randomness > 0.0 {
-            let distance = self.distances(graph, search.tree(), self.hops as f32 + 0.5, view);
+        if self.randomness > 0.0 || self.hop.is_some() {
+            let k = self.hops as f32;
+            let is_on_surface = |distance: &Distance| {
+                let (whole, half) = (distance.whole, distance.last * 0.5);
+                // Nothing is nearer to k where an edge is longer than all of it.
+                let is_first = whole == distance.last && whole > 0.0;
+                whole.is_finite() && (whole - half <= k || is_first) && whole + half > k
+            };
+            let distances = self.distances(search.tree(), k, view);
             return (0..)
-                .zip(distance)
-                .filter(|&(_, d)| d.round() as u32 == self.hops && d.is_finite())
+                .zip(&distances)
+                .filter(|(_, distance)| is_on_surface(distance))
                 .map(|(node, _)| node)
                 .collect();
         }
@@ -122,13 +160,16 @@ impl HopSurface {
         if self.outermost >= 1.0 {
             return surface;
         }
-        let root = graph.position(graph.root());
-        let away = |node: u32| graph.position(node).distance_squared(root);
+        let roots: Vec<Vec3> = graph.roots().iter().map(|&root| graph.position(root)).collect();
+        let away = |node: u32| {
+            let position = graph.position(node);
+            roots.iter().map(|root| root.distance_squared(position)).fold(f32::INFINITY, f32::min)
+        };
         let kept = (surface.len() as f32 * self.outermost).ceil() as usize;
         // Bits of floats that are not negative are in the floats' order.
         let mut ranked: Vec<(Reverse<u32>, Reverse<u32>, u32)> = if self.randomness > 0.0 {
-            let distance = self.distances(graph, &[graph.root()], f32::INFINITY, view);
-            let rank = |node: u32| Reverse(distance[node as usize].to_bits());
+            let distance = self.distances(graph.roots(), f32::INFINITY, view);
+            let rank = |node: u32| Reverse(distance[node as usize].whole.to_bits());
             surface.into_iter().map(|node| (rank(node), Reverse(away(node).to_bits()), node)).collect()
         } else {
             let hops = graph.hops_from_root();
@@ -155,7 +196,7 @@ impl EndpointPolicy for HopSurface {
         }
         let count =
             self.count.of(surface.len(), "on the surface that HopSurface.hops, outermost and only leave")?;
-        Ok(choose_uniform(surface, count, &mut view.stream()))
+        Ok(choose_uniform(surface, count, view))
     }
 
     fn needs_search(&self) -> bool {
@@ -170,6 +211,9 @@ impl EndpointPolicy for HopSurface {
             self.hops,
             "in [1, 1000]",
         )?;
+        let hop = self.hop.unwrap_or(1.0);
+        let fits = hop > 0.0 && hop.is_finite();
+        ParameterError::unless(fits, "HopSurface.hop_length", hop, "finite and above 0 m")?;
         ParameterError::unless(
             self.outermost > 0.0 && self.outermost <= 1.0,
             "HopSurface.outermost",

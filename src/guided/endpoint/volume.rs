@@ -125,11 +125,10 @@ impl<S: Shape> EndpointPolicy for InShape<S> {
     fn select(&self, view: &StageView<'_>) -> Result<Vec<u32>, EndpointError> {
         let candidates = view.candidates(|_, position| self.shape.contains(position));
         let count = self.count.of(candidates.len(), "off the tree, in the shape and reachable")?;
-        let random = &mut view.stream();
         Ok(if self.spread {
-            choose_spread(candidates, count, view.graph().positions(), random)
+            choose_spread(candidates, count, view.graph().positions(), &mut view.stream())
         } else {
-            choose_uniform(candidates, count, random)
+            choose_uniform(candidates, count, view)
         })
     }
 

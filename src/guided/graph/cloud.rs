@@ -1,7 +1,7 @@
 //! Graphs over points of the user's and over a lattice.
 
 use super::sectors::Sectors;
-use super::yao::{Adjacency, yao};
+use super::yao::{Adjacency, Reach, reach_of, yao};
 use super::{Graph, GraphBuilder, GraphError, check_nodes};
 use crate::observer::{Observer, Work, report};
 use crate::parallel;
@@ -17,7 +17,7 @@ use std::sync::Arc;
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Edges {
-    /// The nearest node in each of so many sectors, in [3, 64]; see [`PoissonYao::with_sectors`].
+    /// The nearest node in each of so many sectors, in [3, 64], within reach; see [`PoissonYao::with_sectors`].
     ///
     /// [`PoissonYao::with_sectors`]: super::PoissonYao::with_sectors
     Yao(usize),
@@ -45,20 +45,71 @@ impl Edges {
         if count > u32::MAX as usize { Err(GraphError::TooLarge { count }) } else { Ok(()) }
     }
 
-    /// `positions` must be finite.
-    fn link(self, positions: Vec<Vec3>, root: u32, observer: &dyn Observer) -> Result<Graph, GraphError> {
+    /// `positions` must be finite. The reach of edges in sectors is given, or follows from the nodes around.
+    fn link(
+        self,
+        positions: Vec<Vec3>,
+        root: u32,
+        reach: Option<f32>,
+        observer: &dyn Observer,
+    ) -> Result<Graph, GraphError> {
+        check_distinct(&positions)?;
+        let in_sectors = |sectors: Sectors| {
+            let local;
+            let reach = match reach {
+                Some(reach) => Reach::Same(reach),
+                None => {
+                    local = reaches(&positions);
+                    Reach::Each(&local)
+                }
+            };
+            yao(&positions, &sectors, reach, observer)
+        };
         let Adjacency { starts, targets } = match self {
-            Self::Yao(count) => yao(&positions, &Sectors::new(count, false), None, observer)?,
-            Self::PlanarYao(count) => yao(&positions, &Sectors::new(count, true), None, observer)?,
+            Self::Yao(count) => in_sectors(Sectors::new(count, false))?,
+            Self::PlanarYao(count) => in_sectors(Sectors::new(count, true))?,
             Self::Nearest(count) => nearest(&positions, count, observer)?,
         };
         let graph = Graph::from_parts(positions, starts, targets, root);
-        // Nodes in one place are each other's nearest, so this finds them all.
+        // Nodes nearer to each other than a square can tell are each other's nearest, so this finds them all.
         (0..graph.nodes() as u32).try_for_each(|from| {
             graph.neighbours(from).iter().try_for_each(|&to| graph.check_length(from, to))
         })?;
         Ok(graph)
     }
+}
+
+/// No two nodes in one place. O(n log n), where a search for neighbours could take n².
+fn check_distinct(positions: &[Vec3]) -> Result<(), GraphError> {
+    // Plus zero, to make -0 and 0 one place.
+    let key = |node: u32| (positions[node as usize] + Vec3::ZERO).to_array().map(f32::to_bits);
+    let mut order: Vec<u32> = (0..positions.len() as u32).collect();
+    order.sort_unstable_by_key(|&node| (key(node), node));
+    let twice = order.windows(2).find(|pair| key(pair[0]) == key(pair[1]));
+    twice.map_or(Ok(()), |pair| {
+        let position = positions[pair[0] as usize];
+        Err(GraphError::Coincident { from: pair[0], to: pair[1], position })
+    })
+}
+
+/// Nodes that say how densely a place is filled, and how much farther edges reach than the last of them: in a
+/// Poisson-disc distribution of spacing r edges of inner nodes then reach 2.8 r, those of nodes on a face 3.6 r.
+const NEAREST: usize = 8;
+const FARTHER: f32 = 2.0;
+
+/// The reach of each node's edges, from the nodes around it.
+fn reaches(positions: &[Vec3]) -> Vec<f32> {
+    if positions.len() <= NEAREST {
+        return vec![f32::INFINITY; positions.len()];
+    }
+    let points: Vec<[f32; 3]> = positions.iter().map(Vec3::to_array).collect();
+    let tree = ImmutableKdTree::new_from_slice(&points);
+    // One more for the node itself.
+    let wanted = NonZeroUsize::new(NEAREST + 1).unwrap_or(NonZeroUsize::MIN);
+    parallel::map(points.len(), |node| {
+        let last = tree.nearest_n::<SquaredEuclidean>(&points[node], wanted).last().map(|n| n.distance);
+        last.map_or(f32::INFINITY, |distance| FARTHER * distance.sqrt())
+    })
 }
 
 /// The `count` nearest nodes of each, by a k-d tree; ties to the lower number.
@@ -94,7 +145,9 @@ fn nearest(positions: &[Vec3], count: usize, observer: &dyn Observer) -> Result<
 /// A graph over points you bring, e.g. from a scan.
 ///
 /// Nodes keep the numbers of the points. The root is the point nearest to a position, the origin if nothing
-/// else is said. O(n log n).
+/// else is said. An edge in a sector is at most twice as long as its start's distance to its eighth nearest point,
+/// unless [`with_reach`](Self::with_reach) says otherwise; parts of the cloud that are farther apart stay
+/// unconnected, and [`Graph::unreachable`] counts what the root does not reach. O(n log n).
 ///
 /// ```
 /// use treesynth::{Silent, glam::Vec3, guided::{Edges, GraphBuilder, PointCloud}};
@@ -109,17 +162,25 @@ pub struct PointCloud {
     points: Vec<Vec3>,
     edges: Edges,
     root: Vec3,
+    reach: Option<f32>,
 }
 
 impl PointCloud {
     /// A graph over `points`, metres, that must be finite and distinct.
     pub fn new(points: Vec<Vec3>, edges: Edges) -> Self {
-        Self { points, edges, root: Vec3::ZERO }
+        Self { points, edges, root: Vec3::ZERO, reach: None }
     }
 
     /// The root is the point nearest to this, metres.
     pub fn with_root(mut self, root: Vec3) -> Self {
         self.root = root;
+        self
+    }
+
+    /// The longest edge in a sector, metres, above 0; infinite for none: then the nearest point of a sector that
+    /// looks out of the cloud may be on its far side. [`Edges::Nearest`] knows no reach.
+    pub fn with_reach(mut self, reach: f32) -> Self {
+        self.reach = Some(reach);
         self
     }
 }
@@ -131,11 +192,13 @@ impl GraphBuilder for PointCloud {
         self.edges.check_count(self.points.len())?;
         let distance = |&(_, point): &(u32, &Vec3)| point.distance_squared(self.root);
         let root = (0..).zip(&self.points).min_by(|a, b| distance(a).total_cmp(&distance(b)));
-        self.edges.link(self.points.clone(), root.map_or(0, |(node, _)| node), observer)
+        self.edges.link(self.points.clone(), root.map_or(0, |(node, _)| node), self.reach, observer)
     }
 
     fn check(&self) -> Result<(), ParameterError> {
         self.edges.check("PointCloud.edges")?;
+        let reach = self.reach.unwrap_or(1.0);
+        ParameterError::unless(reach > 0.0, "PointCloud.reach", reach, "above 0 m")?;
         ParameterError::unless(self.root.is_finite(), "PointCloud.root", self.root, "finite")
     }
 }
@@ -210,7 +273,9 @@ impl GraphBuilder for Lattice {
         let root = root.map(|(node, _)| node).ok_or(GraphError::Empty)?;
         self.edges.check_count(positions.len())?;
         positions[root] = Vec3::ZERO;
-        self.edges.link(positions, root as u32, observer)
+        let (Edges::Yao(count) | Edges::PlanarYao(count) | Edges::Nearest(count)) = self.edges;
+        let reach = reach_of(count, flat) * self.spacing;
+        self.edges.link(positions, root as u32, Some(reach), observer)
     }
 
     fn check(&self) -> Result<(), ParameterError> {

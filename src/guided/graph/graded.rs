@@ -4,7 +4,7 @@ use super::octree::Octree;
 use super::sectors::Sectors;
 use super::sizing::SizingField;
 use super::spacing::{Samples, Spacing};
-use super::yao::{Adjacency, yao};
+use super::yao::{Adjacency, Reach, reach_of, yao};
 use super::{Graph, GraphBuilder, GraphError};
 use crate::observer::Observer;
 use crate::parameter::ParameterError;
@@ -18,7 +18,8 @@ use std::sync::{Arc, OnceLock};
 /// r is the largest function that is nowhere above the sizing field and changes by at most the *grading* along each
 /// axis, metre for metre, both on a lattice of about two points a node; [`spacing`](Self::spacing) tells it. Two nodes
 /// p and q are at least min(r(p), r(q)) apart, and no ball of radius 2 r(c) around a point c inside the region is
-/// empty, by construction: see `Tile::sweep` in `leaf.rs`. Edges lead to the nearest node in each sector, exactly.
+/// empty, by construction: see `Tile::sweep` in `leaf.rs`. Edges lead to the nearest node in each sector, exactly, if
+/// it lies within 3 r(p) of their start p (for more than 8 sectors as far as in [`PoissonYao`](super::PoissonYao)).
 /// The root is a node.
 ///
 /// Cost: as for as many nodes of one spacing, about twice as long where r changes as fast as it may; 8 more bytes a
@@ -182,8 +183,10 @@ impl GraphBuilder for GradedYao {
         self.check()?;
         let spacing = self.spacing()?;
         let positions = Octree::new(&*self.region, &spacing).nodes(self.root, seed, observer)?;
+        let reach = reach_of(self.sectors, false);
+        let reaches: Vec<f32> = positions.iter().map(|&position| reach * spacing.at(position)).collect();
         let Adjacency { starts, targets } =
-            yao(&positions, &Sectors::new(self.sectors, false), None, observer)?;
+            yao(&positions, &Sectors::new(self.sectors, false), Reach::Each(&reaches), observer)?;
         Ok(Graph::from_parts(positions, starts, targets, 0))
     }
 

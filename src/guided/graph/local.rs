@@ -2,27 +2,28 @@
 
 use super::sectors::Sectors;
 use super::tiles::Discs;
-use super::yao::yao;
-use super::{Graph, GraphError};
+use super::yao::{Reach, yao};
+use super::{Carried, Graph, GraphError};
 use crate::observer::Observer;
 use crate::shape::Shape;
-use glam::Vec3;
 
-/// Poisson-disc nodes in `region` around the nodes of a tree, which come first and keep their order; the nearest node
-/// in each octant within `longest` metres; and the tree's own edges. The root is node 0, its own parent.
+/// Poisson-disc nodes in `region` around the nodes of trees, which come first and keep their order; the nearest node
+/// in each sector within `longest` metres; and the trees' own edges. The trees are planted in it.
 pub(in crate::guided) fn around_tree(
     region: &dyn Shape,
-    tree: &[Vec3],
-    parents: &[u32],
+    carried: &Carried,
     spacing: f32,
     longest: f32,
+    sectors: &Sectors,
     seed: u64,
     observer: &dyn Observer,
 ) -> Result<Graph, GraphError> {
-    let positions = Discs { region, fixed: tree, spacing, planar: false }.place(seed, observer)?;
-    let near = yao(&positions, &Sectors::Octants, Some(longest), observer)?;
+    let tree = &carried.positions;
+    let positions = Discs { region, fixed: tree, spacing, planar: sectors.are_planar() }.place(seed, observer)?;
+    let near = yao(&positions, sectors, Reach::Same(longest), observer)?;
     let mut children: Vec<(u32, u32)> =
-        (1u32..).zip(&parents[1..]).map(|(child, &parent)| (parent, child)).collect();
+        (0u32..).zip(&carried.tree.parents).map(|(child, &parent)| (parent, child)).collect();
+    children.retain(|(parent, child)| parent != child);
     children.sort_unstable();
     let mut starts = vec![0];
     let mut targets = Vec::with_capacity(near.targets.len() + children.len());
@@ -40,7 +41,7 @@ pub(in crate::guided) fn around_tree(
         }
         starts.push(targets.len() as u32);
     }
-    let graph = Graph::from_parts(positions, starts, targets, 0);
+    let graph = Graph::from_parts(positions, starts, targets, 0).with_planted(carried.tree.clone());
     // Only nodes of the tree can lie in one place.
     (0..tree.len() as u32).try_for_each(|from| {
         graph.neighbours(from).iter().try_for_each(|&to| graph.check_length(from, to))

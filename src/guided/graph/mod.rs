@@ -3,9 +3,11 @@
 mod bvh;
 mod cloud;
 mod graded;
+mod leader;
 mod leaf;
 mod local;
 mod octree;
+mod planted;
 mod poisson;
 mod scalars;
 mod sectors;
@@ -16,12 +18,14 @@ mod yao;
 
 pub use cloud::{Edges, Lattice, PointCloud};
 pub use graded::GradedYao;
+pub use leader::Leader;
 pub(super) use local::around_tree;
+pub(super) use planted::{Carried, Planted};
 pub use poisson::PoissonYao;
+pub(super) use sectors::Sectors;
 pub use sizing::{NearSurface, SizingField, SizingFn};
 pub use spacing::Spacing;
 
-use super::refine::Carried;
 use crate::observer::{Cancelled, Observer};
 use crate::parameter::ParameterError;
 use glam::Vec3;
@@ -84,7 +88,7 @@ macro_rules! forward {
 }
 forward!(&T, Box<T>, Arc<T>);
 
-/// A directed graph in space, with a root.
+/// A directed graph in space, with a root or several.
 ///
 /// Nodes are numbered from 0. Out-edges of a node lie side by side in one flat array. Memory: 16 bytes a node
 /// and 4 bytes an edge, 4 more bytes a node once [`hops_from_root`](Self::hops_from_root) was asked for.
@@ -94,17 +98,19 @@ pub struct Graph {
     /// Node `i` has the edges `targets[starts[i]..starts[i + 1]]`.
     starts: Vec<u32>,
     targets: Vec<u32>,
-    root: u32,
+    /// At least one.
+    roots: Vec<u32>,
     hops_from_root: OnceLock<Vec<u32>>,
-    /// The tree that every tree in it begins with, if not the root alone.
-    planted: Option<Arc<Carried>>,
+    /// The trees that stages begin with, if not the roots alone.
+    planted: Option<Arc<Planted>>,
 }
 
-/// Equal nodes, edges and root; what has been asked for already does not matter.
+/// Equal nodes, edges and roots; what has been asked for already does not matter.
 impl PartialEq for Graph {
     fn eq(&self, other: &Self) -> bool {
-        let parts = |graph: &Self| (graph.root, graph.positions.len(), graph.targets.len());
+        let parts = |graph: &Self| (graph.positions.len(), graph.targets.len());
         parts(self) == parts(other)
+            && self.roots == other.roots
             && self.starts == other.starts
             && self.targets == other.targets
             && self.positions == other.positions
@@ -250,17 +256,50 @@ impl Graph {
 
     /// For builders that make valid parts by construction.
     fn from_parts(positions: Vec<Vec3>, starts: Vec<u32>, targets: Vec<u32>, root: u32) -> Self {
-        Self { positions, starts, targets, root, hops_from_root: OnceLock::new(), planted: None }
+        Self {
+            positions,
+            starts,
+            targets,
+            roots: vec![root],
+            hops_from_root: OnceLock::new(),
+            planted: None,
+        }
     }
 
-    /// The same graph with a tree in it, whose nodes are the first of the graph's.
-    pub(super) fn with_planted(mut self, tree: Carried) -> Self {
+    /// The same graph with several roots: a tree grows from each, and all compete for the nodes.
+    ///
+    /// # Errors
+    /// No root, one that is not a node, or one named twice.
+    pub fn with_roots(mut self, roots: Vec<u32>) -> Result<Self, GraphError> {
+        let nodes = self.nodes();
+        if let Some(&root) = roots.iter().find(|&&root| root as usize >= nodes) {
+            return Err(GraphError::Root { root, nodes });
+        }
+        let mut sorted = roots.clone();
+        sorted.sort_unstable();
+        if let Some(pair) = sorted.windows(2).find(|pair| pair[0] == pair[1]) {
+            return Err(GraphError::Other(format!("node {} is named twice among the roots", pair[0])));
+        }
+        if roots.is_empty() {
+            return Err(GraphError::Other("a graph has at least one root, this has none".to_owned()));
+        }
+        self.roots = roots;
+        self.hops_from_root = OnceLock::new();
+        Ok(self)
+    }
+
+    /// The same graph with trees in it, whose nodes are the first of the graph's; their roots are its roots.
+    pub(super) fn with_planted(mut self, tree: Planted) -> Self {
+        let is_root = |&(node, parent): &(u32, u32)| node == parent;
+        self.roots =
+            (0u32..).zip(tree.parents.iter().copied()).filter(is_root).map(|(node, _)| node).collect();
+        self.hops_from_root = OnceLock::new();
         self.planted = Some(Arc::new(tree));
         self
     }
 
-    /// The tree in it.
-    pub(super) fn planted(&self) -> Option<&Arc<Carried>> {
+    /// The trees in it.
+    pub(super) fn planted(&self) -> Option<&Arc<Planted>> {
         self.planted.as_ref()
     }
 
@@ -274,9 +313,14 @@ impl Graph {
         self.targets.len()
     }
 
-    /// The node where every tree starts.
+    /// The node where the tree starts; of several the first.
     pub fn root(&self) -> u32 {
-        self.root
+        self.roots[0]
+    }
+
+    /// The nodes where trees start, at least one.
+    pub fn roots(&self) -> &[u32] {
+        &self.roots
     }
 
     /// Positions of all nodes, metres.
@@ -304,7 +348,7 @@ impl Graph {
 
     /// The node nearest to `point`, the lower number in a tie. O(n).
     pub fn nearest(&self, point: Vec3) -> u32 {
-        self.nearest_where(point, |_| true).unwrap_or(self.root)
+        self.nearest_where(point, |_| true).unwrap_or(self.root())
     }
 
     /// The node nearest to `point` among those that `filter` lets through.
@@ -319,14 +363,19 @@ impl Graph {
         best.1
     }
 
-    /// Least number of edges from the root to each node; `u32::MAX` where no path leads.
+    /// The number of nodes that no path from a root leads to. O(n + m) at the first call on a graph.
+    pub fn unreachable(&self) -> usize {
+        self.hops_from_root().iter().filter(|&&hops| hops == u32::MAX).count()
+    }
+
+    /// Least number of edges to each node from the nearest root; `u32::MAX` where no path leads.
     ///
     /// O(n + m) at the first call on a graph, O(1) after that.
     pub fn hops_from_root(&self) -> &[u32] {
         self.hops_from_root.get_or_init(|| {
             let mut hops = vec![u32::MAX; self.nodes()];
-            let mut ring = vec![self.root];
-            hops[self.root as usize] = 0;
+            let mut ring = self.roots.clone();
+            ring.iter().for_each(|&root| hops[root as usize] = 0);
             let mut next = Vec::new();
             let mut count = 0;
             while !ring.is_empty() {

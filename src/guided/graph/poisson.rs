@@ -2,11 +2,12 @@
 
 use super::sectors::Sectors;
 use super::tiles::Discs;
-use super::yao::{Adjacency, yao};
-use super::{Graph, GraphBuilder, GraphError};
+use super::yao::{Adjacency, Reach, reach_of, yao};
+use super::{Carried, Graph, GraphBuilder, GraphError, Leader, around_tree};
 use crate::observer::Observer;
 use crate::parameter::ParameterError;
 use crate::shape::Shape;
+use crate::skeleton::Skeleton;
 use glam::Vec3;
 use std::sync::Arc;
 
@@ -34,7 +35,9 @@ pub struct PoissonYao {
     size: Size,
     planar: bool,
     sectors: usize,
-    root: Vec3,
+    roots: Vec<Vec3>,
+    leader: Option<Leader>,
+    trees: Vec<Skeleton>,
 }
 
 #[derive(Debug, Clone, Copy)]
@@ -49,7 +52,9 @@ impl std::fmt::Debug for PoissonYao {
             .field("size", &self.size)
             .field("planar", &self.planar)
             .field("sectors", &self.sectors)
-            .field("root", &self.root)
+            .field("roots", &self.roots)
+            .field("leader", &self.leader)
+            .field("trees", &self.trees.len())
             .finish_non_exhaustive()
     }
 }
@@ -72,7 +77,9 @@ impl PoissonYao {
             size: Size::Nodes(150_000),
             planar: false,
             sectors: 8,
-            root: Vec3::ZERO,
+            roots: vec![Vec3::ZERO],
+            leader: None,
+            trees: Vec::new(),
         }
     }
 
@@ -97,16 +104,48 @@ impl PoissonYao {
 
     /// The number of sectors, in [3, 64]. In 3D, 8 are the octants, other counts the regions nearest to each of
     /// so many directions spread evenly; in 2D they are equal wedges. Fewer than 6 in 3D may leave nodes
-    /// unreached.
+    /// [unreachable](Graph::unreachable).
     pub fn with_sectors(mut self, sectors: usize) -> Self {
         self.sectors = sectors;
         self
     }
 
     /// Where the root is, metres; it must lie in the region.
-    pub fn with_root(mut self, root: Vec3) -> Self {
-        self.root = root;
+    pub fn with_root(self, root: Vec3) -> Self {
+        self.with_roots([root])
+    }
+
+    /// Where the roots of several trees are, metres; distinct points of the region.
+    /// [`TreeSynth::synthesize_all`](crate::TreeSynth::synthesize_all) grows a tree from each.
+    pub fn with_roots(mut self, roots: impl Into<Vec<Vec3>>) -> Self {
+        self.roots = roots.into();
         self
+    }
+
+    /// A trunk that stands from the beginning, smooth and as straight as it says, another for each seed. It starts at its
+    /// own base, which is the root; stages begin with the limbs.
+    pub fn with_leader(mut self, leader: Leader) -> Self {
+        self.leader = Some(leader);
+        self
+    }
+
+    /// A tree that stands from the beginning, whatever made it: one's own drawing, limbs of another method. Its root is
+    /// a root of the graph and lies in the region; its nodes are nodes of the graph, longer internodes are divided.
+    /// Radii that it has are the least that its branches have in the end. Call it again for more trees.
+    pub fn with_tree(mut self, tree: Skeleton) -> Self {
+        self.trees.push(tree);
+        self
+    }
+
+    /// What stands in the graph from the beginning.
+    fn planted(&self, spacing: f32, seed: u64) -> Result<Option<Carried>, GraphError> {
+        if self.leader.is_none() && self.trees.is_empty() {
+            return Ok(None);
+        }
+        let leader = self.leader.as_ref().map(|leader| leader.skeleton(seed, spacing)).transpose()?;
+        let mut carried = Carried::default();
+        leader.iter().chain(&self.trees).for_each(|tree| carried.add_skeleton(tree, spacing));
+        Ok(Some(carried))
     }
 
     /// The spacing in metres, given or from the number of nodes and the region's volume (area, if planar).
@@ -119,12 +158,8 @@ impl PoissonYao {
         let size = bounds.size();
         let r = match self.size {
             Size::Spacing(r) => {
-                ParameterError::unless(
-                    r > 0.0 && r.is_finite(),
-                    "PoissonYao.spacing",
-                    r,
-                    "finite and above 0 m",
-                )?;
+                let fits = r > 0.0 && r <= Graph::MAX_COORDINATE;
+                ParameterError::unless(fits, "PoissonYao.spacing", r, "above 0 m and at most 1e9 m")?;
                 r
             }
             Size::Nodes(nodes) => {
@@ -204,27 +239,44 @@ impl PoissonYao {
 impl GraphBuilder for PoissonYao {
     fn build(&self, seed: u64, observer: &dyn Observer) -> Result<Graph, GraphError> {
         self.check()?;
-        if !self.region.contains(self.root) {
-            return Err(GraphError::RootOutside { root: self.root });
+        let spacing = self.spacing()?;
+        let sectors = Sectors::new(self.sectors, self.planar);
+        let reach = reach_of(self.sectors, self.planar) * spacing;
+        let planted = self.planted(spacing, seed)?;
+        let own = planted.as_ref().map_or(self.roots.clone(), Carried::roots);
+        if let Some(&root) = own.iter().find(|&&root| !self.region.contains(root)) {
+            return Err(GraphError::RootOutside { root });
         }
-        let fixed = [self.root];
+        if let Some(planted) = planted {
+            return around_tree(&*self.region, &planted, spacing, reach, &sectors, seed, observer);
+        }
         let discs =
-            Discs { region: &*self.region, fixed: &fixed, spacing: self.spacing()?, planar: self.planar };
+            Discs { region: &*self.region, fixed: &self.roots, spacing, planar: self.planar };
         let positions = discs.place(seed, observer)?;
-        let Adjacency { starts, targets } =
-            yao(&positions, &Sectors::new(self.sectors, self.planar), None, observer)?;
-        Ok(Graph::from_parts(positions, starts, targets, 0))
+        let Adjacency { starts, targets } = yao(&positions, &sectors, Reach::Same(reach), observer)?;
+        let graph = Graph::from_parts(positions, starts, targets, 0);
+        graph.with_roots((0..self.roots.len() as u32).collect())
     }
 
     fn check(&self) -> Result<(), ParameterError> {
         Sectors::check("PoissonYao.sectors", self.sectors)?;
-        ParameterError::unless(self.root.is_finite(), "PoissonYao.root", self.root, "finite")?;
-        ParameterError::unless(
-            !self.planar || self.root.z == 0.0,
-            "PoissonYao.root",
-            self.root,
-            "in the plane z = 0 of a planar graph",
-        )?;
+        let roots = self.roots.len();
+        ParameterError::unless((1..=65_535).contains(&roots), "PoissonYao.roots", roots, "1 to 65535 roots")?;
+        for (number, &root) in self.roots.iter().enumerate() {
+            ParameterError::unless(root.is_finite(), "PoissonYao.root", root, "finite")?;
+            let fits = !self.planar || root.z == 0.0;
+            ParameterError::unless(fits, "PoissonYao.root", root, "in the plane z = 0 of a planar graph")?;
+            let distinct = !self.roots[..number].contains(&root);
+            ParameterError::unless(distinct, "PoissonYao.roots", root, "a point of its own for each root")?;
+        }
+        let alone = self.trees.is_empty() || self.leader.is_none();
+        ParameterError::unless(alone, "PoissonYao.trees", self.trees.len(), "none beside a leader")?;
+        self.leader.as_ref().map_or(Ok(()), Leader::check)?;
+        let far = |tree: &&Skeleton| {
+            tree.positions().iter().any(|position| position.abs().max_element() > Graph::MAX_COORDINATE)
+        };
+        let far = self.trees.iter().find(far).map_or(0, Skeleton::len);
+        ParameterError::unless(far == 0, "PoissonYao.trees", far, "nodes within 1e9 metres of 0")?;
         let spacing = self.spacing()?;
         let measure = self.measure();
         let edges = self.nodes_at(spacing, measure) * self.sectors as f32;

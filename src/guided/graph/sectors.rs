@@ -7,7 +7,7 @@ use std::f32::consts::{PI, TAU};
 
 /// The sectors around a node.
 #[derive(Debug, Clone)]
-pub(super) enum Sectors {
+pub(in crate::guided) enum Sectors {
     /// The eight octants, by the signs of the coordinates; zero counts as positive.
     Octants,
     /// Equal wedges of the plane z = 0, counter-clockwise from +X.
@@ -17,12 +17,16 @@ pub(super) enum Sectors {
 }
 
 impl Sectors {
-    pub(super) fn new(count: usize, planar: bool) -> Self {
+    pub(in crate::guided) fn new(count: usize, planar: bool) -> Self {
         match (planar, count) {
             (true, _) => Self::Wedges(count),
             (false, 8) => Self::Octants,
             (false, _) => Self::Nearest(fibonacci_sphere(count)),
         }
+    }
+
+    pub(in crate::guided) fn are_planar(&self) -> bool {
+        matches!(self, Self::Wedges(_))
     }
 
     pub(super) fn check(parameter: &str, count: usize) -> Result<(), ParameterError> {

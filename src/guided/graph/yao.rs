@@ -2,6 +2,7 @@
 
 use super::bvh::Bvh;
 use super::sectors::Sectors;
+use crate::math::cbrt;
 use crate::observer::{Cancelled, Observer, Work, report};
 use crate::parallel;
 use glam::{BVec3, Vec3, Vec4};
@@ -20,8 +21,38 @@ pub(super) struct Adjacency {
     pub(super) targets: Vec<u32>,
 }
 
+/// The longest edge that may start from a node, metres.
+///
+/// Without a bound the nearest node of an octant that looks out of the region is wherever the hull comes back into
+/// it: on the far side.
+#[derive(Debug, Clone, Copy)]
+pub(super) enum Reach<'a> {
+    /// One for all nodes; infinite for no bound.
+    Same(f32),
+    /// One for each node.
+    Each(&'a [f32]),
+}
+
+impl Reach<'_> {
+    /// Its square.
+    #[inline]
+    fn squared(self, node: u32) -> f32 {
+        match self {
+            Self::Same(reach) => reach * reach,
+            Self::Each(reaches) => reaches[node as usize] * reaches[node as usize],
+        }
+    }
+}
+
+/// The reach of edges where nodes are one unit apart: as far as each of so many sectors holds as many nodes as an
+/// octant within three spacings, nine and a half. In the plane, as an eighth of a turn: 2.7.
+pub(super) fn reach_of(sectors: usize, planar: bool) -> f32 {
+    let share = (sectors as f32 / 8.0).max(1.0);
+    3.0 * if planar { share.sqrt() } else { cbrt(share) }
+}
+
 /// The Yao graph of `positions`, which must be finite and distinct. Ties go to the lower number. Edges longer than
-/// `longest` metres are left out.
+/// the reach of the node that they start from are left out.
 ///
 /// Nodes in the surrounding cells of a lattice settle nearly all sectors; what they leave open, mostly sectors
 /// that look out of the region or where points are sparse, is searched in a hierarchy of boxes. O(n log n) for points
@@ -29,19 +60,23 @@ pub(super) struct Adjacency {
 pub(super) fn yao(
     positions: &[Vec3],
     sectors: &Sectors,
-    longest: Option<f32>,
+    reach: Reach<'_>,
     observer: &dyn Observer,
 ) -> Result<Adjacency, Cancelled> {
     report(observer, Work::Edges, 0.0)?;
     // Five cells, of which two lie to each side of a node's own, then reach as far as an edge may.
-    let cells = Cells::new(positions, longest.map(|longest| longest * 0.5));
+    let side = match reach {
+        Reach::Same(reach) if reach.is_finite() => Some(reach * 0.5),
+        _ => None,
+    };
+    let cells = Cells::new(positions, side);
     let search = Search {
         positions,
         sectors,
         half_spaces: (0..sectors.count()).map(|sector| sectors.half_spaces(sector)).collect(),
         bvh: OnceLock::new(),
         cells,
-        longest: longest.map_or(f32::INFINITY, |longest| longest * longest),
+        reach,
     };
     let mut all = Adjacency {
         starts: Vec::with_capacity(positions.len() + 1),
@@ -71,8 +106,7 @@ struct Search<'a> {
     /// Made when the first sector needs it; where edges are kept short, none does.
     bvh: OnceLock<Bvh<'a>>,
     cells: Option<Cells>,
-    /// Square of the longest edge.
-    longest: f32,
+    reach: Reach<'a>,
 }
 
 /// Squared distance and number in one key. The bits of floats that are not negative are in the floats' order, so the
@@ -114,10 +148,10 @@ impl<const N: usize> Nearest<N> {
         (f32::from_bits((self.keys[sector] >> 32) as u32), self.keys[sector] as u32)
     }
 
-    /// The nodes nearer than `longest`, the square of a length, in the order of the sectors.
+    /// The nodes within a reach, given by its square, in the order of the sectors.
     #[inline]
-    fn list(&self, longest: f32, targets: &mut Vec<u32>) {
-        let far = NONE.min(key(longest, u32::MAX));
+    fn list(&self, reach: f32, targets: &mut Vec<u32>) {
+        let far = NONE.min(key(reach, u32::MAX));
         targets.extend(self.keys[..self.count].iter().filter(|&&key| key < far).map(|&key| key as u32));
     }
 
@@ -150,13 +184,14 @@ impl Search<'_> {
             targets: Vec::with_capacity(nodes.len() * self.sectors.count().min(8)),
         };
         for node in nodes {
+            let reach = self.reach.squared(node as u32);
             if matches!(self.sectors, Sectors::Octants) {
-                self.nearest::<8>(node as u32, octants).list(self.longest, &mut part.targets);
+                self.nearest::<8>(node as u32, reach, octants).list(reach, &mut part.targets);
             } else {
                 let sectors_of = |x: Vec4, y: Vec4, z: Vec4| {
                     std::array::from_fn(|i| self.sectors.of(Vec3::new(x[i], y[i], z[i])))
                 };
-                self.nearest::<64>(node as u32, sectors_of).list(self.longest, &mut part.targets);
+                self.nearest::<64>(node as u32, reach, sectors_of).list(reach, &mut part.targets);
             }
             part.starts.push(part.targets.len() as u32);
         }
@@ -167,6 +202,7 @@ impl Search<'_> {
     fn nearest<const N: usize>(
         &self,
         node: u32,
+        reach: f32,
         sectors_of: impl Fn(Vec4, Vec4, Vec4) -> [usize; LANES],
     ) -> Nearest<N> {
         let from = self.positions[node as usize];
@@ -187,8 +223,9 @@ impl Search<'_> {
             });
         }
         for sector in 0..nearest.count {
-            let best = nearest.get(sector);
-            if best.0 <= searched || self.longest <= searched {
+            let found = nearest.get(sector);
+            let best = if found.0 <= reach { found } else { (reach, u32::MAX) };
+            if best.0 <= searched {
                 continue;
             }
             let outside = |min: Vec3, max: Vec3| {
@@ -415,7 +452,7 @@ mod tests {
     }
 
     fn holds(positions: &[Vec3], sectors: &Sectors) {
-        let found = yao(positions, sectors, None, &Silent).unwrap();
+        let found = yao(positions, sectors, Reach::Same(f32::INFINITY), &Silent).unwrap();
         for (node, expected) in brute_force(positions, sectors).into_iter().enumerate() {
             let range = found.starts[node] as usize..found.starts[node + 1] as usize;
             assert_eq!(found.targets[range], expected, "node {node}, {sectors:?}");

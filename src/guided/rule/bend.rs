@@ -20,7 +20,8 @@ pub enum BendAxis {
     UpCrossVector,
 }
 
-/// The vector of the node before, turned away from up by an angle (radians).
+/// The vector of the node before, turned from up towards the side of the edge by an angle (radians); see
+/// [`Step::bent`].
 ///
 /// Angles from -2π to 2π; negative ones turn towards up.
 ///
@@ -35,6 +36,8 @@ pub enum BendAxis {
 pub struct Bend {
     angle: Angle,
     axis: BendAxis,
+    /// Metres of a hop, where angles are by path length.
+    hop: Option<f32>,
 }
 
 #[derive(Debug, Clone)]
@@ -46,7 +49,7 @@ enum Angle {
 
 impl Bend {
     fn new(angle: Angle) -> Self {
-        Self { angle, axis: BendAxis::default() }
+        Self { angle, axis: BendAxis::default(), hop: None }
     }
 
     /// No rotation: every node keeps the vector of the node before, as along a straight trunk.
@@ -76,6 +79,34 @@ impl Bend {
         Self::new(Angle::FromAxis { theta })
     }
 
+    /// Counts hops by metres of path: an angle a hop becomes an angle for `metres` of path, in equal parts, and h0 hops
+    /// become h0 times `metres`. Branches then bend alike on graphs of any spacing, and across a
+    /// [`Refinement`](crate::guided::Refinement); by edges, as in the paper, a finer graph bends them more.
+    ///
+    /// Finite and above 0. With 1 m, angles are curvatures.
+    pub fn with_hop_length(mut self, metres: f32) -> Self {
+        self.hop = Some(metres);
+        self
+    }
+
+    /// The angle of one edge where hops are so many metres of path.
+    fn angle_by_length(&self, step: &Step<'_>, hop: f32) -> f32 {
+        let (start, end) = (step.path_length - step.length, step.path_length);
+        let piecewise = |first: f32, rest: f32, hops: u32| {
+            let until = hops as f32 * hop;
+            let (before, after) = ((end.min(until) - start).max(0.0), (end - start.max(until)).max(0.0));
+            (first * before + rest * after) / hop
+        };
+        match self.angle {
+            Angle::Piecewise { angles: [first, rest], hops, .. } => piecewise(first, rest, hops),
+            Angle::Random { low, high, rest, hops, .. } => {
+                let draw = step.random(Purpose::SOURCE_ANGLE, step.source());
+                piecewise(low + (high - low) * draw, rest, hops)
+            }
+            Angle::FromAxis { theta } => from_axis(theta, step) * step.length / hop,
+        }
+    }
+
     /// Turns about another axis.
     pub fn with_axis(mut self, axis: BendAxis) -> Self {
         self.axis = axis;
@@ -83,9 +114,17 @@ impl Bend {
     }
 }
 
+/// Equation 2.
+fn from_axis(theta: f32, step: &Step<'_>) -> f32 {
+    theta * (angle_between(step.position - step.root(), UP) / PI).sqrt()
+}
+
 impl GuidingRule for Bend {
     #[inline]
     fn guide(&self, step: &Step<'_>) -> Vec3 {
+        if let Some(hop) = self.hop {
+            return step.bent(Rotation::new(self.angle_by_length(step, hop)), self.axis);
+        }
         let rotation = match &self.angle {
             Angle::Piecewise { rotations, hops, .. } => rotations[usize::from(step.hops > *hops)],
             Angle::Random { rotation, hops, .. } if step.hops > *hops => *rotation,
@@ -93,15 +132,15 @@ impl GuidingRule for Bend {
                 let draw = step.random(Purpose::SOURCE_ANGLE, step.source());
                 Rotation::new(low + (high - low) * draw)
             }
-            Angle::FromAxis { theta } => {
-                let beta = angle_between(step.position - step.root(), UP);
-                Rotation::new(theta * (beta / PI).sqrt())
-            }
+            Angle::FromAxis { theta } => Rotation::new(from_axis(*theta, step)),
         };
         step.bent(rotation, self.axis)
     }
 
     fn check(&self) -> Result<(), ParameterError> {
+        let hop = self.hop.unwrap_or(1.0);
+        let fits = hop > 0.0 && hop.is_finite();
+        ParameterError::unless(fits, "Bend.hop_length", hop, "finite and above 0 m")?;
         let angle = |parameter, angle: f32| {
             ParameterError::unless(angle.abs() <= TAU, parameter, angle, "in [-2π, 2π] radians")
         };

@@ -31,8 +31,8 @@ impl<Below: GuidingRule, Above: GuidingRule> GuidingRule for ByHeight<Below, Abo
         if height < self.height { self.below.guide(step) } else { self.above.guide(step) }
     }
 
-    fn source(&self, source: &Source) -> Vec3 {
-        let height = source.position.y - source.root.y;
+    fn source(&self, source: &Source<'_>) -> Vec3 {
+        let height = source.position.y - source.root().y;
         if height < self.height { self.below.source(source) } else { self.above.source(source) }
     }
 
@@ -77,12 +77,57 @@ impl GuidingRule for ByStage {
         self.rule(step.stage).map_or(step.vector, |rule| rule.guide(step))
     }
 
-    fn source(&self, source: &Source) -> Vec3 {
+    fn source(&self, source: &Source<'_>) -> Vec3 {
         self.rule(source.stage).map_or(source.vector, |rule| rule.source(source))
     }
 
     fn check(&self) -> Result<(), ParameterError> {
         ParameterError::unless(!self.rules.is_empty(), "ByStage.rules", self.rules.len(), "at least 1 rule")?;
+        self.rules.iter().try_for_each(GuidingRule::check)
+    }
+}
+
+/// A rule for each of the graph's [roots](crate::guided::Graph::roots), in their order; the last one for all roots that
+/// follow.
+#[derive(Clone, Default)]
+pub struct ByTree {
+    rules: Vec<Arc<dyn GuidingRule>>,
+}
+
+impl std::fmt::Debug for ByTree {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("ByTree").field("rules", &self.rules.len()).finish()
+    }
+}
+
+impl ByTree {
+    /// No rules yet.
+    pub fn new() -> Self {
+        Self::default()
+    }
+
+    /// Adds the rule of the next root's tree.
+    pub fn then(mut self, rule: impl GuidingRule + 'static) -> Self {
+        self.rules.push(Arc::new(rule));
+        self
+    }
+
+    fn rule(&self, tree: u32) -> Option<&dyn GuidingRule> {
+        self.rules.get(tree as usize).or(self.rules.last()).map(|rule| &**rule)
+    }
+}
+
+impl GuidingRule for ByTree {
+    fn guide(&self, step: &Step<'_>) -> Vec3 {
+        self.rule(step.fork().tree).map_or(step.vector, |rule| rule.guide(step))
+    }
+
+    fn source(&self, source: &Source<'_>) -> Vec3 {
+        self.rule(source.fork().tree).map_or(source.vector, |rule| rule.source(source))
+    }
+
+    fn check(&self) -> Result<(), ParameterError> {
+        ParameterError::unless(!self.rules.is_empty(), "ByTree.rules", self.rules.len(), "at least 1 rule")?;
         self.rules.iter().try_for_each(GuidingRule::check)
     }
 }
@@ -113,7 +158,7 @@ impl<A: GuidingRule, B: GuidingRule> GuidingRule for Blend<A, B> {
         self.mix(self.first.guide(step), self.second.guide(step))
     }
 
-    fn source(&self, source: &Source) -> Vec3 {
+    fn source(&self, source: &Source<'_>) -> Vec3 {
         self.mix(self.first.source(source), self.second.source(source))
     }
 
@@ -150,7 +195,7 @@ impl<R: GuidingRule> GuidingRule for Jitter<R> {
         Rotation::new(tilt * self.angle).about(axis, vector)
     }
 
-    fn source(&self, source: &Source) -> Vec3 {
+    fn source(&self, source: &Source<'_>) -> Vec3 {
         self.rule.source(source)
     }
 
@@ -199,7 +244,7 @@ impl<R: GuidingRule> GuidingRule for SourceElevation<R> {
         UP * cos + across * sin
     }
 
-    fn source(&self, source: &Source) -> Vec3 {
+    fn source(&self, source: &Source<'_>) -> Vec3 {
         self.rule.source(source)
     }
 
@@ -226,7 +271,8 @@ impl<R: GuidingRule> GuidingRule for SourceElevation<R> {
 /// All sources enter the stage with one vector, whatever they had, and another rule does the rest: "optionally, the
 /// guiding vectors for the source nodes are changed" (section 3.1.4).
 ///
-/// With up, the forks of a stage are measured from up and not from the bearing branch.
+/// With up, the forks of a stage are measured from up and not from the parent branch's vector; for forks measured from
+/// the parent branch itself see [`ForkAngle`](super::ForkAngle).
 #[derive(Debug, Clone)]
 pub struct SourceVector<R> {
     rule: R,
@@ -245,7 +291,7 @@ impl<R: GuidingRule> GuidingRule for SourceVector<R> {
         self.rule.guide(step)
     }
 
-    fn source(&self, _: &Source) -> Vec3 {
+    fn source(&self, _: &Source<'_>) -> Vec3 {
         self.vector
     }
 

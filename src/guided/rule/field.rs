@@ -31,7 +31,7 @@ impl<F: VectorField> GuidingRule for FollowField<F> {
         self.at(step.position, step.vector)
     }
 
-    fn source(&self, source: &Source) -> Vec3 {
+    fn source(&self, source: &Source<'_>) -> Vec3 {
         self.at(source.position, source.vector)
     }
 

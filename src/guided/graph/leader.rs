@@ -1,0 +1,97 @@
+//! A trunk along a line.
+
+use crate::math::{perpendicular, powf, sin};
+use crate::parameter::ParameterError;
+use crate::random::{Purpose, stream};
+use crate::skeleton::Skeleton;
+use glam::Vec3;
+use rand::RngExt;
+use std::f32::consts::PI;
+
+/// A smooth trunk from its base to its top, as straight or as wayward as is wanted: the one path of a tree on which a
+/// graph's irregularity would plainly be seen.
+///
+/// It strays from the straight line by a sum of slow waves, other ones for each seed, and by as much as its
+/// *waywardness* says: the farthest distance from the line over the line's length.
+///
+/// ```
+/// use treesynth::{glam::Vec3, guided::Leader};
+///
+/// let trunk = Leader::new(Vec3::ZERO, Vec3::Y * 8.0).with_waywardness(0.05).skeleton(1, 0.2)?;
+/// let farthest = trunk.positions().iter().map(|p| p.with_y(0.0).length()).fold(0.0, f32::max);
+/// assert!((farthest / 8.0 - 0.05).abs() < 0.01);
+/// # Ok::<(), treesynth::ParameterError>(())
+/// ```
+#[derive(Debug, Clone, PartialEq)]
+pub struct Leader {
+    base: Vec3,
+    top: Vec3,
+    waywardness: f32,
+}
+
+/// Waves of one, two, ... half turns from base to top, and how fast higher ones get smaller.
+const WAVES: usize = 5;
+const FALL: f32 = 1.6;
+/// The most nodes.
+const MAX_NODES: f32 = 1e6;
+
+impl Leader {
+    /// From `base` to `top`, metres, with a waywardness of 0.02.
+    pub fn new(base: Vec3, top: Vec3) -> Self {
+        Self { base, top, waywardness: 0.02 }
+    }
+
+    /// The farthest distance from the straight line over its length, in [0, 0.5]: 0 is ruler-straight, 0.02 a forest
+    /// tree, 0.1 gnarled.
+    pub fn with_waywardness(mut self, waywardness: f32) -> Self {
+        self.waywardness = waywardness;
+        self
+    }
+
+    /// Whether the options are in range.
+    ///
+    /// # Errors
+    /// The first that is not.
+    pub fn check(&self) -> Result<(), ParameterError> {
+        ParameterError::unless(self.base.is_finite(), "Leader.base", self.base, "finite, in metres")?;
+        let length = self.base.distance(self.top);
+        let fits = length > 1e-6 && length <= 1e6;
+        ParameterError::unless(fits, "Leader.top", self.top, "1e-6 to 1e6 m from the base")?;
+        let fits = (0.0..=0.5).contains(&self.waywardness);
+        ParameterError::unless(fits, "Leader.waywardness", self.waywardness, "in [0, 0.5]")
+    }
+
+    /// The trunk of a seed, with nodes about `spacing` metres apart. O(nodes).
+    ///
+    /// # Errors
+    /// An option out of range, or a spacing that makes for more than a million nodes.
+    pub fn skeleton(&self, seed: u64, spacing: f32) -> Result<Skeleton, ParameterError> {
+        self.check()?;
+        let (way, length) = (self.top - self.base, self.base.distance(self.top));
+        let parts = (length / spacing).ceil().max(1.0);
+        let fits = spacing > 0.0 && parts <= MAX_NODES;
+        ParameterError::unless(fits, "Leader.spacing", spacing, "above 0 m, for at most 1000000 nodes")?;
+        let mut random = stream(seed, 0, Purpose::LEADER, 0);
+        let axes = [perpendicular(way / length), (way / length).cross(perpendicular(way / length))];
+        let waves: Vec<Vec3> = (1..=WAVES)
+            .map(|wave| {
+                let [a, b] = [0, 1].map(|_| 2.0 * random.random::<f32>() - 1.0);
+                (axes[0] * a + axes[1] * b) * powf(wave as f32, -FALL)
+            })
+            .collect();
+        // The base grows straight out of the ground, so the waves swell from nothing over its first quarter.
+        let stray = |t: f32| {
+            let sum: Vec3 = (1u8..).zip(&waves).map(|(n, &wave)| wave * sin(PI * f32::from(n) * t)).sum();
+            let swell = (4.0 * t).min(1.0);
+            sum * (swell * swell * (3.0 - 2.0 * swell))
+        };
+        let places: Vec<f32> = (0..=parts as u32).map(|i| i as f32 / parts).collect();
+        // Measured on the finest trunk, so that one of any spacing strays alike.
+        let farthest = (0..=256).map(|i| stray(i as f32 / 256.0).length()).fold(0.0, f32::max);
+        let scale = if farthest > 0.0 { self.waywardness * length / farthest } else { 0.0 };
+        let positions = places.iter().map(|&t| self.base + way * t + stray(t) * scale).collect();
+        let parents = (0..places.len() as u32).map(|node| node.checked_sub(1)).collect();
+        Skeleton::new(positions, parents)
+            .map_err(|error| ParameterError::new("Leader.top", self.top, error.to_string()))
+    }
+}
