@@ -46,6 +46,14 @@ impl Context<'_> {
         }
     }
 
+    /// Whether an edge leads from `node` to the tree.
+    pub(super) fn is_beside_tree(&self, node: u32) -> bool {
+        match *self {
+            Self::Search(search) => search.graph().neighbours(node).iter().any(|&to| search.is_on_tree(to)),
+            Self::Alone { .. } => node == 0,
+        }
+    }
+
     pub(super) fn parent(&self, node: u32) -> Option<u32> {
         match *self {
             Self::Search(search) => search.parent(node),

@@ -26,6 +26,9 @@ pub struct Fork {
     /// Radius of the branch here over that of the trunk's base, by the pipe model with exponent 2 (da Vinci's rule):
     /// the root of the share of the tips, in (0, 1].
     pub thickness: f32,
+    /// The parent branch's number among those of its tree, each after its own parent; 0 for the trunk. Only within one
+    /// stage.
+    pub branch: u32,
     /// The tree's number among the graph's [roots](super::Graph::roots).
     pub tree: u32,
 }
@@ -46,6 +49,7 @@ impl Fork {
             to_tip: 0.0,
             tips: 1,
             thickness: 1.0,
+            branch: 0,
             tree: 0,
         }
     }
@@ -68,7 +72,7 @@ impl Fork {
             fork.tips = tips.max(1);
             fork.thickness = (fork.tips as f32 / most).sqrt();
         }
-        for branch in tree.branches().iter() {
+        for (number, branch) in (0u32..).zip(tree.branches().iter()) {
             let nodes = branch.nodes();
             let at = |i: usize| tree.positions()[nodes[i] as usize];
             let own = usize::from(branch.order() > 0);
@@ -82,7 +86,7 @@ impl Fork {
                 direction = next;
                 if i >= own {
                     let fork = &mut forks[nodes[i] as usize];
-                    (fork.direction, fork.normal) = (direction, normal);
+                    (fork.direction, fork.normal, fork.branch) = (direction, normal, number);
                     fork.from_base = fork.from_root - base.from_root;
                     fork.to_tip = tip - fork.from_root;
                 }

@@ -18,12 +18,13 @@ mod refine;
 mod rule;
 mod run;
 mod search;
+mod shed;
 mod synth;
 mod weight;
 
 pub use around::AroundTree;
 pub use endpoint::{
-    Count, EndpointError, EndpointPolicy, HopSurface, InShape, NearestTo, NearestToEach, Side, StageView,
+    Count, EndpointError, EndpointPolicy, HopSurface, InShape, LimbSurface, NearestTo, NearestToEach, Side, StageView,
 };
 pub use fork::Fork;
 pub use graph::{
@@ -36,5 +37,6 @@ pub use rule::{
     SourceElevation, SourceVector, Step,
 };
 pub use search::{Search, SearchError};
+pub use shed::Shedding;
 pub use synth::{Growth, Stage, SynthesisError, TreeSynth};
-pub use weight::{Edge, Guided, GuidedPower, Length, Multimodal, Star, WeightFn, Within};
+pub use weight::{Apart, Edge, Guided, GuidedPower, Length, Multimodal, Star, WeightFn, Within};

@@ -6,6 +6,7 @@ use super::refine::Refinement;
 use super::rule::GuidingRule;
 use super::run::Terms;
 use super::search::{Search, SearchError};
+use super::shed::Shedding;
 use super::weight::{Guided, WeightFn};
 use crate::observer::{Cancelled, Observer, Silent, Work, report};
 use crate::parameter::ParameterError;
@@ -85,6 +86,7 @@ impl Stage {
 pub struct TreeSynth {
     graph: Arc<dyn GraphBuilder>,
     stages: Vec<Stage>,
+    shedding: Option<Shedding>,
     radius: Arc<dyn RadiusModel>,
 }
 
@@ -102,7 +104,7 @@ pub struct Growth {
     pub skeleton: Skeleton,
     /// The graph's node behind each node of the skeleton.
     pub nodes: Vec<u32>,
-    /// The endpoints of each stage, nodes of the graph.
+    /// The endpoints of each stage that are on the tree, nodes of the graph.
     pub endpoints: Vec<Vec<u32>>,
     /// The graph of the last [`Refinement`], if there was one: then `nodes` and `endpoints` are nodes of this, and
     /// not of the graph that synthesis began with.
@@ -170,7 +172,7 @@ impl From<SearchError> for SynthesisError {
 impl TreeSynth {
     /// No stages yet, and the pipe model's radii.
     pub fn new(graph: impl GraphBuilder + 'static) -> Self {
-        Self { graph: Arc::new(graph), stages: Vec::new(), radius: Arc::new(PipeModel::default()) }
+        Self { graph: Arc::new(graph), stages: Vec::new(), shedding: None, radius: Arc::new(PipeModel::default()) }
     }
 
     /// Adds a stage. A tree takes 4 or 5 of them (section 3.1.4); at most 65,535.
@@ -194,6 +196,12 @@ impl TreeSynth {
     /// Whether a stage refines.
     pub fn refines(&self) -> bool {
         self.stages.iter().any(|stage| stage.refinement.is_some())
+    }
+
+    /// Branches that bear too little fall after the last stage, before the radii.
+    pub fn with_shedding(mut self, shedding: Shedding) -> Self {
+        self.shedding = Some(shedding);
+        self
     }
 
     /// Another radius model.
@@ -231,6 +239,7 @@ impl TreeSynth {
             "1 to 65535 stages",
         )?;
         self.stages.iter().try_for_each(Stage::check)?;
+        self.shedding.as_ref().map_or(Ok(()), Shedding::check)?;
         self.radius.check()
     }
 
@@ -352,10 +361,17 @@ impl TreeSynth {
         let trees = search.skeletons()?;
         let several = trees.len() > 1;
         let grown = trees.into_iter().map(|(skeleton, places)| {
+            let mut nodes: Vec<u32> = places.into_iter().map(|place| search.tree()[place]).collect();
+            let skeleton = if let Some(shedding) = &self.shedding {
+                let (kept, places) = shedding.shed(&skeleton)?;
+                nodes = places.into_iter().map(|place| nodes[place as usize]).collect();
+                kept
+            } else {
+                skeleton
+            };
             let skeleton = self.thicken(skeleton)?;
-            let nodes: Vec<u32> = places.into_iter().map(|place| search.tree()[place]).collect();
             let mut endpoints = endpoints.clone();
-            if several {
+            if several || self.shedding.is_some() {
                 let mut own = nodes.clone();
                 own.sort_unstable();
                 endpoints.iter_mut().for_each(|stage| stage.retain(|node| own.binary_search(node).is_ok()));

@@ -203,6 +203,11 @@ impl Edge<'_> {
         self.context.root(self.source)
     }
 
+    /// Whether it ends one edge away from the tree. O(edges of its end).
+    pub fn is_beside_tree(&self) -> bool {
+        self.context.is_beside_tree(self.to)
+    }
+
     /// The paper's weight, `d (1 - e·v)`: 0 along the guiding vector, 2d against it.
     #[inline]
     pub fn guided(&self) -> f32 {
@@ -339,6 +344,50 @@ impl WeightFn for Multimodal {
             check_factor("Multimodal.factor", factor, false)?;
         }
         Ok(())
+    }
+}
+
+/// Another weight, and a price on every metre beside the tree, so that new branches leave their parent branch and do
+/// not run along it. The first edge off the tree is free.
+///
+/// ```
+/// use treesynth::{WeightFn, glam::Vec3, guided::{Apart, Edge, Guided}};
+///
+/// let weight = Apart::new(Guided, 0.5);
+/// let mut edge = Edge::new(Vec3::ZERO, Vec3::Y, Vec3::Y);
+/// assert_eq!(weight.weight(&edge), 0.0);
+/// edge.hops = 3;
+/// edge.to = 0; // Beside the tree.
+/// assert_eq!(weight.weight(&edge), 0.5);
+/// ```
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Apart<W> {
+    weight: W,
+    price: f32,
+}
+
+impl<W: WeightFn> Apart<W> {
+    /// `price`, at least 0 and finite, a metre; the paper's weight is 2 a metre against the guiding vector and 0.1 to 0.3
+    /// along it, as crooked as edges are.
+    pub fn new(weight: W, price: f32) -> Self {
+        Self { weight, price }
+    }
+}
+
+impl<W: WeightFn> WeightFn for Apart<W> {
+    fn weight(&self, edge: &Edge<'_>) -> f32 {
+        let beside = edge.hops > 0 && edge.is_beside_tree();
+        self.weight.weight(edge) + if beside { self.price * edge.length } else { 0.0 }
+    }
+
+    fn forbids(&self) -> bool {
+        self.weight.forbids()
+    }
+
+    fn check(&self) -> Result<(), ParameterError> {
+        let fits = self.price >= 0.0 && self.price.is_finite();
+        ParameterError::unless(fits, "Apart.price", self.price, "finite and at least 0 a metre")?;
+        self.weight.check()
     }
 }
 

@@ -20,6 +20,7 @@
 //! # Ok::<(), treesynth::SynthesisError>(())
 //! ```
 
+mod clothed;
 mod comparison;
 mod fine;
 mod graded;
@@ -28,6 +29,7 @@ mod look;
 mod organized;
 mod plane;
 mod rotation;
+mod site;
 mod variety;
 mod volume;
 
@@ -36,12 +38,12 @@ pub use look::Season;
 pub use organized::{Stand, WALL, stand_by_name, stands};
 
 use crate::foliage::Foliage;
-use crate::guided::{Bend, Count, HopSurface, InShape, NearestTo, PoissonYao, Stage, TreeSynth};
+use crate::guided::{Bend, NearestTo, Stage, TreeSynth};
 use crate::radius::{PipeModel, Taper};
-use crate::shape::{Cuboid, Shape};
 use crate::surface::Material;
 use glam::Vec3;
 use look::Look;
+use site::Site;
 
 /// The nodes of "a typical result" (section 4).
 pub const TYPICAL_NODES: usize = 150_000;
@@ -119,7 +121,8 @@ impl Preset {
 
     /// The pipeline, on a graph of about `nodes` nodes; [`TYPICAL_NODES`] for the paper's detail.
     ///
-    /// Late endpoints are "up to" the figure's count, so that coarse graphs work too.
+    /// Angles and endpoints by hops are those of a graph of [`TYPICAL_NODES`], by metres of path: `nodes` changes the
+    /// detail, not the tree. Late endpoints are "up to" the figure's count, so that coarse graphs work too.
     pub fn synth(&self, nodes: usize) -> TreeSynth {
         (self.build)(nodes)
     }
@@ -149,21 +152,12 @@ const fn degrees(angle: f32) -> f32 {
     angle.to_radians()
 }
 
-/// A graph in a box on the ground, `width` and `height` in metres.
-fn graph(width: f32, height: f32, nodes: usize) -> PoissonYao {
-    PoissonYao::new(region(width, height)).with_nodes(nodes)
+/// "Later iterations use α1 = 30°, α2 = 0 and h0 = 1": forks with straight children.
+fn fork() -> Bend {
+    Bend::piecewise(degrees(30.0), 0.0, 1)
 }
 
-fn region(width: f32, height: f32) -> Cuboid {
-    let half = width * 0.5;
-    Cuboid::new(Vec3::new(-half, 0.0, -half), Vec3::new(half, height, half))
-}
-
-/// No stages yet; radii by the pipe model, tapered, for a trunk so many metres across.
-fn tree(width: f32, height: f32, nodes: usize, trunk: f32) -> TreeSynth {
-    TreeSynth::new(graph(width, height, nodes)).with_radius(bark(trunk))
-}
-
+/// Radii by the pipe model, tapered, for a trunk so many metres across.
 fn bark(trunk: f32) -> Taper<PipeModel> {
     Taper::new(PipeModel::default().with_exponent(2.4).with_trunk_diameter(trunk))
 }
@@ -171,23 +165,4 @@ fn bark(trunk: f32) -> Taper<PipeModel> {
 /// "The first iteration is used only to create a trunk (so α = 0)."
 fn trunk(height: f32) -> Stage {
     Stage::new(Bend::none(), NearestTo::new(Vec3::Y * height))
-}
-
-/// Branches to endpoints spread in a crown.
-fn limbs(rule: Bend, crown: impl Shape + 'static, count: usize) -> Stage {
-    Stage::new(rule, InShape::poisson_disc(crown, Count::UpTo(count)))
-}
-
-/// "Later iterations use α1 = 30°, α2 = 0 and h0 = 1": forks with straight children.
-fn fork() -> Bend {
-    Bend::piecewise(degrees(30.0), 0.0, 1)
-}
-
-/// Twigs to so many endpoints `hops` edges off the tree, the outermost 60% of them.
-fn twigs(hops: u32, count: usize) -> Stage {
-    outer_twigs(hops, count, 0.6)
-}
-
-fn outer_twigs(hops: u32, count: usize, outermost: f32) -> Stage {
-    Stage::new(fork(), HopSurface::new(hops, Count::UpTo(count)).with_outermost(outermost))
 }

@@ -1,9 +1,9 @@
 //! Figures 5 to 8: how guiding vectors turn.
 
 use super::look::{ASH, CHESTNUT, HAZEL, LINDEN, MAPLE, POPLAR};
-use super::{Preset, bark, degrees, graph, limbs, tree, trunk, twigs};
+use super::{Preset, Site, degrees, trunk};
 use crate::field::{Helix, Rotation, SphericalMeridians, VectorField};
-use crate::guided::{Bend, Count, FollowField, HopSurface, InShape, Stage, TreeSynth};
+use crate::guided::{Bend, Count, FollowField, InShape, Stage, TreeSynth};
 use crate::shape::{Ellipsoid, HalfEllipsoid, Shell};
 use glam::Vec3;
 
@@ -61,23 +61,25 @@ pub(super) const PRESETS: &[Preset] = &[
 
 /// Many endpoints in the first iteration: no trunk.
 fn shrub(nodes: usize, first: Bend) -> TreeSynth {
+    let site = Site::new(15.0, 11.0, nodes);
     let crown = Shell::new(HalfEllipsoid::new(Vec3::Y * 3.0, Vec3::new(5.0, 6.0, 5.0)), 0.6);
-    tree(15.0, 11.0, nodes, 0.45)
-        .stage(limbs(first, crown, 40))
-        .stage(twigs(3, 300))
-        .stage(twigs(2, 1500))
-        .stage(twigs(2, 4000))
+    site.tree(0.45)
+        .stage(site.limbs(first, crown, 40))
+        .stage(site.twigs(3, 300))
+        .stage(site.twigs(2, 1500))
+        .stage(site.twigs(2, 4000))
 }
 
 /// Figure 6: one trunk, a round crown, five iterations; only the second's rule differs.
 fn round_tree(nodes: usize, second: Bend) -> TreeSynth {
+    let site = Site::new(12.0, 12.5, nodes);
     let crown = Ellipsoid::new(Vec3::Y * 6.8, Vec3::new(3.2, 3.0, 3.2));
-    tree(12.0, 12.5, nodes, 0.36)
+    site.tree(0.36)
         .stage(trunk(8.4))
-        .stage(limbs(second, crown, 90))
-        .stage(twigs(2, 500))
-        .stage(twigs(2, 2000))
-        .stage(twigs(1, 3500))
+        .stage(site.limbs(second, crown, 90))
+        .stage(site.twigs(2, 500))
+        .stage(site.twigs(2, 2000))
+        .stage(site.twigs(1, 3500))
 }
 
 /// The ash of figure 6 (c) and of all of figure 15.
@@ -86,22 +88,23 @@ pub(super) fn ash(nodes: usize) -> TreeSynth {
 }
 
 fn elm(nodes: usize) -> TreeSynth {
+    let site = Site::new(14.0, 11.5, nodes);
     let crown = HalfEllipsoid::new(Vec3::Y * 4.0, Vec3::new(4.8, 5.5, 4.8));
-    tree(14.0, 11.5, nodes, 0.45)
-        .stage(limbs(Bend::from_axis(degrees(25.0)), crown, 60))
-        .stage(twigs(3, 400))
-        .stage(twigs(2, 1800))
-        .stage(twigs(2, 4000))
+    site.tree(0.45)
+        .stage(site.limbs(Bend::from_axis(degrees(25.0)), crown, 60))
+        .stage(site.twigs(3, 400))
+        .stage(site.twigs(2, 1800))
+        .stage(site.twigs(2, 4000))
 }
 
 /// The crown's centre is `aside` metres off the root.
 fn field_tree(nodes: usize, aside: f32, field: impl VectorField + Copy + 'static) -> TreeSynth {
     let crown = Ellipsoid::new(Vec3::new(aside, 5.8, 0.0), Vec3::new(3.8, 3.6, 3.8));
     let rule = FollowField::new(field);
-    TreeSynth::new(graph(13.0, 11.5, nodes))
-        .with_radius(bark(0.4))
+    let site = Site::new(13.0, 11.5, nodes);
+    site.tree(0.4)
         .stage(Stage::new(rule.clone(), InShape::poisson_disc(crown, Count::UpTo(45))))
-        .stage(Stage::new(rule, HopSurface::new(3, Count::UpTo(400))))
-        .stage(twigs(2, 1500))
-        .stage(twigs(2, 4000))
+        .stage(Stage::new(rule, site.surface(3, 400)))
+        .stage(site.twigs(2, 1500))
+        .stage(site.twigs(2, 4000))
 }

@@ -2,8 +2,8 @@
 
 use super::look::{ASH, BARE, BIRCH, HAZEL, LINDEN, OAK, POPLAR, SPRUCE};
 use super::rotation::ash;
-use super::{Preset, degrees, fork, limbs, outer_twigs, tree, trunk, twigs};
-use crate::guided::{Bend, ByHeight, Count, HopSurface, InShape, Side, SourceElevation, Stage, TreeSynth};
+use super::{Preset, Site, degrees, fork, trunk};
+use crate::guided::{Bend, ByHeight, Count, InShape, Side, SourceElevation, Stage, TreeSynth};
 use crate::shape::{Cone, Cylinder, Ellipsoid, HalfEllipsoid, Union};
 use glam::Vec3;
 
@@ -59,49 +59,55 @@ fn crown(nodes: usize, aspect: f32, theta: f32) -> TreeSynth {
     let width = height / aspect;
     let base = 2.0;
     let dome = HalfEllipsoid::with_aspect(Vec3::Y * base, height, aspect);
-    tree(width + 4.0, base + height + 2.0 + 1.2 / aspect, nodes, 0.4)
-        .stage(limbs(Bend::from_axis(degrees(theta)), dome, 60))
-        .stage(twigs(3, 400))
-        .stage(twigs(2, 1800))
-        .stage(twigs(1, 3500))
+    let site = Site::new(width + 4.0, base + height + 2.0 + 1.2 / aspect, nodes);
+    site.tree(0.4)
+        .stage(site.limbs(Bend::from_axis(degrees(theta)), dome, 60))
+        .stage(site.twigs(3, 400))
+        .stage(site.twigs(2, 1800))
+        .stage(site.twigs(1, 3500))
 }
 
 fn clusters(nodes: usize) -> TreeSynth {
+    let site = Site::new(12.0, 11.5, nodes);
     let dome = HalfEllipsoid::new(Vec3::Y * 5.6, Vec3::new(3.6, 4.0, 3.6));
-    tree(12.0, 11.5, nodes, 0.45)
-        .stage(limbs(Bend::piecewise(degrees(6.0), degrees(-4.0), 12), dome, 9))
-        .stage(Stage::new(fork(), HopSurface::new(4, Count::UpTo(60)).with_outermost(0.4)))
-        .stage(outer_twigs(2, 1500, 0.5))
-        .stage(outer_twigs(2, 3000, 0.5))
+    site.tree(0.45)
+        .stage(site.limbs(Bend::piecewise(degrees(6.0), degrees(-4.0), 12), dome, 9))
+        .stage(Stage::new(fork(), site.surface(4, 60).with_outermost(0.4)))
+        .stage(site.outer_twigs(2, 1500, 0.5))
+        .stage(site.outer_twigs(2, 3000, 0.5))
 }
 
 fn two_habits(nodes: usize) -> TreeSynth {
+    let site = Site::new(12.0, 12.0, nodes);
     let oval = Ellipsoid::new(Vec3::Y * 6.4, Vec3::new(3.2, 3.5, 3.2));
-    let rule =
-        ByHeight::new(5.8, Bend::constant(degrees(8.0)), Bend::piecewise(degrees(30.0), degrees(-10.0), 3));
-    tree(12.0, 12.0, nodes, 0.4)
+    let drooping = site.by_length(Bend::constant(degrees(8.0)));
+    let rising = site.by_length(Bend::piecewise(degrees(30.0), degrees(-10.0), 3));
+    let rule = ByHeight::new(5.8, drooping, rising);
+    site.tree(0.4)
         .stage(trunk(8.8))
         .stage(Stage::new(rule, InShape::poisson_disc(oval, Count::UpTo(100))))
-        .stage(twigs(2, 500))
-        .stage(twigs(2, 2000))
-        .stage(twigs(1, 3500))
+        .stage(site.twigs(2, 500))
+        .stage(site.twigs(2, 2000))
+        .stage(site.twigs(1, 3500))
 }
 
 fn spindle(nodes: usize) -> TreeSynth {
+    let site = Site::new(7.0, 11.0, nodes);
     let narrow = Cone::new(Vec3::Y * 1.6, 1.6, 8.2);
-    tree(7.0, 11.0, nodes, 0.3)
+    site.tree(0.3)
         .stage(trunk(9.6))
-        .stage(limbs(Bend::piecewise(degrees(90.0), 0.0, 1), narrow, 110))
-        .stage(Stage::new(Bend::piecewise(degrees(20.0), 0.0, 1), HopSurface::new(3, Count::UpTo(260))))
+        .stage(site.limbs(Bend::piecewise(degrees(90.0), 0.0, 1), narrow, 110))
+        .stage(Stage::new(Bend::piecewise(degrees(20.0), 0.0, 1), site.surface(3, 260)))
 }
 
 fn cottonwood(nodes: usize) -> TreeSynth {
+    let site = Site::new(15.0, 11.5, nodes);
     let broad = HalfEllipsoid::new(Vec3::Y * 4.0, Vec3::new(5.2, 5.4, 5.2));
     let higher = |hops, count| {
-        Stage::new(fork(), HopSurface::new(hops, Count::UpTo(count)).with_outermost(0.5).only(Side::Higher))
+        Stage::new(fork(), site.surface(hops, count).with_outermost(0.5).only(Side::Higher))
     };
-    tree(15.0, 11.5, nodes, 0.6)
-        .stage(limbs(Bend::piecewise(degrees(5.0), degrees(-2.0), 10), broad, 14))
+    site.tree(0.6)
+        .stage(site.limbs(Bend::piecewise(degrees(5.0), degrees(-2.0), 10), broad, 14))
         .stage(higher(5, 90))
         .stage(higher(4, 500))
         .stage(higher(2, 3500))
@@ -112,61 +118,67 @@ fn steepening(rule: Bend, top: f32) -> SourceElevation<Bend> {
 }
 
 fn steepening_cone(nodes: usize) -> TreeSynth {
-    let rule = steepening(Bend::constant(degrees(1.0)), 9.0);
-    tree(10.0, 11.5, nodes, 0.35)
+    let site = Site::new(10.0, 11.5, nodes);
+    let rule = steepening(site.by_length(Bend::constant(degrees(1.0))), 9.0);
+    site.tree(0.35)
         .stage(trunk(9.8))
         .stage(Stage::new(rule, InShape::poisson_disc(Cone::new(Vec3::Y * 2.2, 3.0, 8.2), Count::UpTo(130))))
-        .stage(twigs(2, 600))
-        .stage(twigs(1, 2200))
-        .stage(twigs(1, 3500))
+        .stage(site.twigs(2, 600))
+        .stage(site.twigs(1, 2200))
+        .stage(site.twigs(1, 3500))
 }
 
 fn steepening_oval(nodes: usize) -> TreeSynth {
+    let site = Site::new(10.0, 12.5, nodes);
     let oval = Ellipsoid::new(Vec3::Y * 6.9, Vec3::new(2.5, 3.4, 2.5));
-    let rule = steepening(Bend::constant(degrees(-3.0)), 9.0);
-    tree(10.0, 12.5, nodes, 0.35)
+    let rule = steepening(site.by_length(Bend::constant(degrees(-3.0))), 9.0);
+    site.tree(0.35)
         .stage(trunk(8.0))
         .stage(Stage::new(rule, InShape::poisson_disc(oval, Count::UpTo(90))))
-        .stage(twigs(2, 500))
-        .stage(twigs(2, 2000))
-        .stage(twigs(1, 3500))
+        .stage(site.twigs(2, 500))
+        .stage(site.twigs(2, 2000))
+        .stage(site.twigs(1, 3500))
 }
 
 fn upright_shrub(nodes: usize) -> TreeSynth {
+    let site = Site::new(10.0, 10.0, nodes);
     let oval = HalfEllipsoid::new(Vec3::Y * 2.4, Vec3::new(2.7, 5.6, 2.7));
-    tree(10.0, 10.0, nodes, 0.35)
-        .stage(limbs(Bend::piecewise(degrees(8.0), degrees(-3.0), 5), oval, 120))
-        .stage(twigs(2, 600))
-        .stage(twigs(2, 2400))
-        .stage(twigs(1, 3500))
+    site.tree(0.35)
+        .stage(site.limbs(Bend::piecewise(degrees(8.0), degrees(-3.0), 5), oval, 120))
+        .stage(site.twigs(2, 600))
+        .stage(site.twigs(2, 2400))
+        .stage(site.twigs(1, 3500))
 }
 
 fn spreading_shrub(nodes: usize) -> TreeSynth {
+    let site = Site::new(13.0, 8.0, nodes);
     let dome = HalfEllipsoid::new(Vec3::Y * 0.8, Vec3::new(4.4, 4.6, 4.4));
-    tree(13.0, 8.0, nodes, 0.35)
-        .stage(limbs(Bend::constant(degrees(5.0)), dome, 160))
-        .stage(twigs(2, 700))
-        .stage(twigs(2, 2400))
-        .stage(twigs(1, 3500))
+    site.tree(0.35)
+        .stage(site.limbs(Bend::constant(degrees(5.0)), dome, 160))
+        .stage(site.twigs(2, 700))
+        .stage(site.twigs(2, 2400))
+        .stage(site.twigs(1, 3500))
 }
 
 fn birch(nodes: usize) -> TreeSynth {
+    let site = Site::new(10.0, 11.5, nodes);
     let fork_tops = Cylinder::new(Vec3::Y * 8.2, 1.2, 0.8);
     let crown = Union::new(
         Ellipsoid::new(Vec3::Y * 6.2, Vec3::new(2.6, 3.6, 2.6)),
         Cylinder::new(Vec3::Y * 3.0, 1.2, 1.5),
     );
-    tree(10.0, 11.5, nodes, 0.35)
-        .stage(limbs(Bend::piecewise(degrees(1.0), degrees(-0.5), 12), fork_tops, 2))
-        .stage(limbs(Bend::piecewise(degrees(40.0), degrees(5.0), 1), crown, 90))
-        .stage(twigs(2, 500))
-        .stage(twigs(2, 2000))
-        .stage(twigs(1, 3500))
+    site.tree(0.35)
+        .stage(site.limbs(Bend::piecewise(degrees(1.0), degrees(-0.5), 12), fork_tops, 2))
+        .stage(site.limbs(Bend::piecewise(degrees(40.0), degrees(5.0), 1), crown, 90))
+        .stage(site.twigs(2, 500))
+        .stage(site.twigs(2, 2000))
+        .stage(site.twigs(1, 3500))
 }
 
 fn zelkova(nodes: usize) -> TreeSynth {
+    let site = Site::new(12.0, 11.0, nodes);
     let vase = HalfEllipsoid::new(Vec3::Y * 5.0, Vec3::new(4.2, 4.6, 4.2));
-    tree(12.0, 11.0, nodes, 0.5)
-        .stage(limbs(Bend::piecewise(degrees(4.0), degrees(-1.0), 12), vase, 90))
-        .stage(twigs(3, 900))
+    site.tree(0.5)
+        .stage(site.limbs(Bend::piecewise(degrees(4.0), degrees(-1.0), 12), vase, 90))
+        .stage(site.twigs(3, 900))
 }

@@ -1,8 +1,8 @@
 //! Figures 9 to 14: where endpoints lie.
 
 use super::look::{LINDEN, MAPLE, POPLAR, WILLOW};
-use super::{Preset, degrees, fork, limbs, outer_twigs, tree, trunk, twigs};
-use crate::guided::{Bend, Count, HopSurface, Side, Stage, TreeSynth};
+use super::{Preset, Site, degrees, fork, trunk};
+use crate::guided::{Bend, Side, Stage, TreeSynth};
 use crate::shape::{Cone, Cuboid, Ellipsoid, HalfEllipsoid, Shape};
 use glam::Vec3;
 
@@ -51,51 +51,56 @@ pub(super) const PRESETS: &[Preset] = &[
 ];
 
 fn bounded(nodes: usize, volume: impl Shape + 'static) -> TreeSynth {
-    tree(12.0, 12.0, nodes, 0.4)
-        .stage(limbs(Bend::piecewise(degrees(5.0), degrees(-3.0), 12), volume, 60))
-        .stage(twigs(3, 400))
-        .stage(twigs(2, 1800))
-        .stage(twigs(1, 3500))
+    let site = Site::new(12.0, 12.0, nodes);
+    site.tree(0.4)
+        .stage(site.limbs(Bend::piecewise(degrees(5.0), degrees(-3.0), 12), volume, 60))
+        .stage(site.twigs(3, 400))
+        .stage(site.twigs(2, 1800))
+        .stage(site.twigs(1, 3500))
 }
 
 fn crowned(nodes: usize, crown: Ellipsoid, height: f32) -> TreeSynth {
-    tree(12.5, 12.5, nodes, 0.36)
+    let site = Site::new(12.5, 12.5, nodes);
+    site.tree(0.36)
         .stage(trunk(height))
-        .stage(limbs(Bend::piecewise(degrees(60.0), degrees(-1.0), 1), crown, 90))
-        .stage(twigs(2, 500))
-        .stage(twigs(2, 2000))
-        .stage(twigs(1, 3500))
+        .stage(site.limbs(Bend::piecewise(degrees(60.0), degrees(-1.0), 1), crown, 90))
+        .stage(site.twigs(2, 500))
+        .stage(site.twigs(2, 2000))
+        .stage(site.twigs(1, 3500))
 }
 
 fn excluded(nodes: usize, outermost: f32) -> TreeSynth {
+    let site = Site::new(12.5, 12.5, nodes);
     let crown = Ellipsoid::new(Vec3::Y * 6.8, Vec3::new(3.3, 2.9, 3.3));
-    tree(12.5, 12.5, nodes, 0.4)
+    site.tree(0.4)
         .stage(trunk(8.2))
-        .stage(limbs(Bend::piecewise(degrees(60.0), 0.0, 1), crown, 60))
-        .stage(outer_twigs(3, 500, outermost))
-        .stage(outer_twigs(2, 2000, outermost))
-        .stage(outer_twigs(1, 3000, outermost))
+        .stage(site.limbs(Bend::piecewise(degrees(60.0), 0.0, 1), crown, 60))
+        .stage(site.outer_twigs(3, 500, outermost))
+        .stage(site.outer_twigs(2, 2000, outermost))
+        .stage(site.outer_twigs(1, 3000, outermost))
 }
 
 fn hanging(nodes: usize) -> TreeSynth {
+    let site = Site::new(13.0, 11.5, nodes);
     let crown = HalfEllipsoid::new(Vec3::Y * 5.5, Vec3::new(3.8, 4.2, 3.8));
     let lower = |hops, count| {
-        let endpoints = HopSurface::new(hops, Count::UpTo(count)).with_outermost(0.9).only(Side::Lower);
-        Stage::new(Bend::piecewise(degrees(120.0), degrees(6.0), 1), endpoints)
+        let endpoints = site.surface(hops, count).with_outermost(0.9).only(Side::Lower);
+        Stage::new(site.by_length(Bend::piecewise(degrees(120.0), degrees(6.0), 1)), endpoints)
     };
-    tree(13.0, 11.5, nodes, 0.4)
+    site.tree(0.4)
         .stage(trunk(7.0))
-        .stage(limbs(Bend::piecewise(degrees(30.0), degrees(6.0), 1), crown, 60))
+        .stage(site.limbs(Bend::piecewise(degrees(30.0), degrees(6.0), 1), crown, 60))
         .stage(lower(4, 350))
         .stage(lower(4, 900))
         .stage(lower(3, 2500))
 }
 
 fn dense(nodes: usize, [first, second, third]: [usize; 3]) -> TreeSynth {
+    let site = Site::new(12.0, 12.0, nodes);
     let crown = HalfEllipsoid::new(Vec3::Y * 4.8, Vec3::new(3.4, 4.8, 3.4));
-    tree(12.0, 12.0, nodes, 0.36)
+    site.tree(0.36)
         .stage(trunk(8.4))
-        .stage(limbs(Bend::piecewise(degrees(60.0), degrees(-1.0), 1), crown, first))
-        .stage(Stage::new(fork(), HopSurface::new(3, Count::UpTo(second))))
-        .stage(twigs(2, third))
+        .stage(site.limbs(Bend::piecewise(degrees(60.0), degrees(-1.0), 1), crown, first))
+        .stage(Stage::new(fork(), site.surface(3, second)))
+        .stage(site.twigs(2, third))
 }

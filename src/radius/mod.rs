@@ -5,6 +5,7 @@
 //! | [`PipeModel`] | the number of tips a branch carries |
 //! | [`Variational`] | the area of crown each tip supports |
 //! | [`Taper`] | any other model, narrowed smoothly between forks |
+//! | [`Stout`] | any other model, and no branch thinner than a share of its length |
 //!
 //! The first two are section 3.2, equation 2 and section 5 of the paper on variational tree synthesis;
 //! [`structure_energy`] is its equation 5, what such a tree costs.
@@ -13,11 +14,13 @@ mod energy;
 mod pipe;
 #[cfg(test)]
 pub(crate) mod sample;
+mod stout;
 mod taper;
 mod variational;
 
 pub use energy::structure_energy;
 pub use pipe::{Calibration, PipeModel};
+pub use stout::Stout;
 pub use taper::Taper;
 pub use variational::{Support, Variational};
 

@@ -1,8 +1,10 @@
 //! Which nodes branches grow to (sections 3.2.2 to 3.2.4).
 
+mod limb;
 mod surface;
 mod volume;
 
+pub use limb::LimbSurface;
 pub use surface::{HopSurface, Side};
 pub use volume::{InShape, NearestTo, NearestToEach};
 

@@ -66,7 +66,8 @@ impl HopSurface {
 
     /// Counts hops by metres of path along edges: k hops are k times `metres`, finite and above 0, and the surface holds
     /// the nodes that come nearest to that on their way from the tree. Twigs then are as long on graphs of any
-    /// spacing; by edges, as in the paper, they are as long as the graph is coarse. At least one edge.
+    /// spacing; by edges, as in the paper, they are as long as the graph is coarse. Where all edges are much longer
+    /// than k hops, one edge.
     pub fn with_hop_length(mut self, metres: f32) -> Self {
         self.hop = Some(metres);
         self
@@ -122,18 +123,20 @@ impl HopSurface {
         let (graph, search) = (view.graph(), view.search());
         if self.randomness > 0.0 || self.hop.is_some() {
             let k = self.hops as f32;
+            // Where edges are longer than k itself, only those nodes that are not much too far.
             let is_on_surface = |distance: &Distance| {
-                let (whole, half) = (distance.whole, distance.last * 0.5);
-                // Nothing is nearer to k where an edge is longer than all of it.
-                let is_first = whole == distance.last && whole > 0.0;
-                whole.is_finite() && (whole - half <= k || is_first) && whole + half > k
+                let half = distance.last.min(k) * 0.5;
+                distance.whole - half <= k && distance.whole + half > k
             };
             let distances = self.distances(search.tree(), k, view);
-            return (0..)
-                .zip(&distances)
-                .filter(|(_, distance)| is_on_surface(distance))
-                .map(|(node, _)| node)
-                .collect();
+            let nodes = |filter: &dyn Fn(&Distance) -> bool| -> Vec<u32> {
+                (0..).zip(&distances).filter(|(_, distance)| filter(distance)).map(|(node, _)| node).collect()
+            };
+            let surface = nodes(&is_on_surface);
+            if !surface.is_empty() {
+                return surface;
+            }
+            return nodes(&|distance| distance.whole == distance.last && distance.whole > 0.0);
         }
         let mut seen: Vec<bool> = (0..graph.nodes() as u32).map(|node| search.is_on_tree(node)).collect();
         let mut ring = search.tree().to_vec();
@@ -180,10 +183,9 @@ impl HopSurface {
         ranked.truncate(kept);
         ranked.into_iter().map(|(_, _, node)| node).collect()
     }
-}
 
-impl EndpointPolicy for HopSurface {
-    fn select(&self, view: &StageView<'_>) -> Result<Vec<u32>, EndpointError> {
+    /// What of the surface endpoints are drawn from.
+    pub(super) fn candidates(&self, view: &StageView<'_>) -> Vec<u32> {
         let mut surface = self.outer_surface(view);
         if let Some(side) = self.side {
             let height = |node: u32| view.graph().position(node).y;
@@ -194,6 +196,13 @@ impl EndpointPolicy for HopSurface {
                 })
             });
         }
+        surface
+    }
+}
+
+impl EndpointPolicy for HopSurface {
+    fn select(&self, view: &StageView<'_>) -> Result<Vec<u32>, EndpointError> {
+        let surface = self.candidates(view);
         let count =
             self.count.of(surface.len(), "on the surface that HopSurface.hops, outermost and only leave")?;
         Ok(choose_uniform(surface, count, view))

@@ -1,0 +1,120 @@
+//! Endpoints along each branch.
+
+use super::{EndpointError, EndpointPolicy, HopSurface, Side, StageView};
+use crate::parameter::ParameterError;
+use crate::random::{Purpose, derive};
+
+/// Endpoints allotted branch by branch: so many metres of each branch bear one, so that every branch is clothed, the
+/// inner and the thin ones too.
+///
+/// Candidates are the nodes k hops from the tree, as in [`HopSurface`]; which branch one belongs to is where its
+/// least-cost path leaves the tree. Each branch is divided into equal parts, and in each part one candidate is drawn.
+///
+/// O(n log n).
+///
+/// ```
+/// use treesynth::glam::Vec3;
+/// use treesynth::guided::{Bend, InShape, LimbSurface, NearestTo, PoissonYao, Stage, TreeSynth};
+/// use treesynth::shape::{Cuboid, Ellipsoid};
+///
+/// let region = Cuboid::new(Vec3::new(-3.0, 0.0, -3.0), Vec3::new(3.0, 6.0, 3.0));
+/// let crown = Ellipsoid::new(Vec3::Y * 3.8, Vec3::new(1.8, 1.8, 1.8));
+/// let tree = TreeSynth::new(PoissonYao::new(region).with_nodes(20_000))
+///     .stage(Stage::new(Bend::none(), NearestTo::new(Vec3::Y * 4.5)))
+///     .stage(Stage::new(Bend::piecewise(1.0, 0.0, 1), InShape::poisson_disc(crown, 20)))
+///     .stage(Stage::new(Bend::piecewise(0.7, 0.0, 1), LimbSurface::new(2, 0.3)))
+///     .synthesize(7)?;
+/// // Every limb bears twigs.
+/// let limbs = tree.branches();
+/// let bears = |limb: u32| tree.branches().iter().any(|twig| twig.order() == 2 && twig.nodes()[0] == limb);
+/// assert!(limbs.iter().filter(|limb| limb.order() == 1).all(|limb| limb.nodes()[1..].iter().any(|&n| bears(n))));
+/// # Ok::<(), treesynth::SynthesisError>(())
+/// ```
+#[derive(Debug, Clone, PartialEq)]
+pub struct LimbSurface {
+    surface: HopSurface,
+    spacing: f32,
+    bare: f32,
+    least_order: u16,
+}
+
+impl LimbSurface {
+    /// One endpoint, `hops` edges off the tree, for every `spacing` metres of each branch, the trunk included; at least
+    /// one a branch where there are candidates. Finite and above 0.
+    pub fn new(hops: u32, spacing: f32) -> Self {
+        Self { surface: HopSurface::new(hops, 1).with_outermost(1.0), spacing, bare: 0.0, least_order: 0 }
+    }
+
+    /// The share of each branch's length, from its base, that bears nothing, in [0, 1).
+    pub fn with_bare_base(mut self, share: f32) -> Self {
+        self.bare = share;
+        self
+    }
+
+    /// Only branches of this order (0 is the trunk) and higher ones bear endpoints; 0 by default.
+    pub fn with_least_order(mut self, order: u16) -> Self {
+        self.least_order = order;
+        self
+    }
+
+    /// Hops by metres of path; see [`HopSurface::with_hop_length`].
+    pub fn with_hop_length(mut self, metres: f32) -> Self {
+        self.surface = self.surface.with_hop_length(metres);
+        self
+    }
+
+    /// The outermost fraction of the surface alone; see [`HopSurface::with_outermost`]. All of it by default.
+    pub fn with_outermost(mut self, fraction: f32) -> Self {
+        self.surface = self.surface.with_outermost(fraction);
+        self
+    }
+
+    /// Only endpoints lower, or only endpoints higher, than the source their path starts from.
+    pub fn only(mut self, side: Side) -> Self {
+        self.surface = self.surface.only(side);
+        self
+    }
+}
+
+impl EndpointPolicy for LimbSurface {
+    fn select(&self, view: &StageView<'_>) -> Result<Vec<u32>, EndpointError> {
+        let search = view.search();
+        let key = derive(view.seed(), view.stage() as u32, Purpose::ENDPOINTS);
+        let mut candidates: Vec<(u32, u32, u32, u64, u32)> = Vec::new();
+        for node in self.surface.candidates(view) {
+            let Some(fork) = search.source(node).and_then(|source| search.fork(source)) else { continue };
+            let length = fork.from_base + fork.to_tip;
+            let bare = length * self.bare;
+            if fork.from_base < bare || fork.order < self.least_order {
+                continue;
+            }
+            let parts = ((length - bare) / self.spacing).round().max(1.0);
+            let share = if length > bare { (fork.from_base - bare) / (length - bare) } else { 0.0 };
+            let part = (share * parts).min(parts - 1.0) as u32;
+            candidates.push((fork.tree, fork.branch, part, derive(key, node, Purpose::ENDPOINTS), node));
+        }
+        candidates.sort_unstable();
+        candidates.dedup_by_key(|&mut (tree, branch, part, ..)| (tree, branch, part));
+        if candidates.is_empty() {
+            let place = "on the surface that LimbSurface.hops, outermost, bare_base, least_order and only leave";
+            return Err(EndpointError::TooFew { wanted: 1, available: 0, place });
+        }
+        Ok(candidates.into_iter().map(|(.., node)| node).collect())
+    }
+
+    fn needs_search(&self) -> bool {
+        true
+    }
+
+    fn check(&self) -> Result<(), ParameterError> {
+        let fits = self.spacing > 0.0 && self.spacing.is_finite();
+        ParameterError::unless(fits, "LimbSurface.spacing", self.spacing, "finite and above 0 m")?;
+        ParameterError::unless(
+            (0.0..1.0).contains(&self.bare),
+            "LimbSurface.bare_base",
+            self.bare,
+            "a share in [0, 1)",
+        )?;
+        self.surface.check()
+    }
+}

@@ -1,0 +1,133 @@
+//! Branches that fall.
+
+use crate::parameter::ParameterError;
+use crate::skeleton::{Skeleton, SkeletonError};
+
+/// Takes branches away that bear less than their length deserves, as trees do with limbs in deep shade.
+///
+/// A branch ends at its last fork if more than the [bare end](Self::with_bare_end) lies beyond it, and falls whole, with
+/// all it bears, if it has none or fewer tips a metre of its axis than the [least density](Self::with_least_density). What
+/// that makes bare falls too. The trunk stays.
+///
+/// ```
+/// use treesynth::{Skeleton, glam::Vec3, guided::Shedding};
+///
+/// // A trunk with a twig of half a metre and a bare whip of three.
+/// let nodes = [[0.0, 0.0], [0.0, 2.0], [0.0, 4.0], [0.5, 2.0], [1.5, 3.0], [3.0, 4.0]];
+/// let nodes = nodes.map(|[x, y]| Vec3::new(x, y, 0.0)).to_vec();
+/// let tree = Skeleton::new(nodes, vec![None, Some(0), Some(1), Some(1), Some(0), Some(4)])?;
+/// let tree = tree.with_orders(vec![0, 0, 0, 1, 1, 1])?;
+/// let (kept, nodes) = Shedding::new().with_bare_end(1.0).shed(&tree)?;
+/// assert_eq!(nodes, [0, 1, 2, 3]);
+/// assert_eq!(kept.tips().count(), 2);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Shedding {
+    bare: f32,
+    density: f32,
+}
+
+impl Default for Shedding {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
+impl Shedding {
+    /// Bare ends of up to 1 m stay, and branches of any density.
+    pub fn new() -> Self {
+        Self { bare: 1.0, density: 0.0 }
+    }
+
+    /// The longest end of a branch that bears nothing, metres, above 0.
+    pub fn with_bare_end(mut self, metres: f32) -> Self {
+        self.bare = metres;
+        self
+    }
+
+    /// The fewest tips a metre of a branch longer than the bare end, at least 0.
+    pub fn with_least_density(mut self, tips: f32) -> Self {
+        self.density = tips;
+        self
+    }
+
+    /// Whether the options are in range.
+    ///
+    /// # Errors
+    /// The first that is not.
+    pub fn check(&self) -> Result<(), ParameterError> {
+        ParameterError::unless(self.bare > 0.0, "Shedding.bare_end", self.bare, "above 0 m")?;
+        let fits = self.density >= 0.0 && self.density.is_finite();
+        ParameterError::unless(fits, "Shedding.least_density", self.density, "finite and at least 0 a metre")
+    }
+
+    /// What stays of a tree, and the number in it of each node that stays, ascending. O(n) a round; as many rounds as
+    /// branches fall in a row.
+    ///
+    /// # Errors
+    /// None for a sound skeleton.
+    pub fn shed(&self, tree: &Skeleton) -> Result<(Skeleton, Vec<u32>), SkeletonError> {
+        let mut stays = vec![true; tree.len()];
+        while self.round(tree, &mut stays) {}
+        let kept: Vec<u32> = (0..tree.len() as u32).filter(|&node| stays[node as usize]).collect();
+        let mut new = vec![0u32; tree.len()];
+        for (place, &node) in (0u32..).zip(&kept) {
+            new[node as usize] = place;
+        }
+        let of = |node: &u32| *node as usize;
+        let parent = |node: &u32| tree.parent(of(node)).map(|parent| new[parent]);
+        let skeleton = Skeleton::new(
+            kept.iter().map(|node| tree.positions()[of(node)]).collect(),
+            kept.iter().map(parent).collect(),
+        )?
+        .with_stages(kept.iter().map(|node| tree.stages()[of(node)]).collect())?
+        .with_hops(kept.iter().map(|node| tree.hops()[of(node)]).collect())?
+        .with_radii(kept.iter().map(|node| tree.radii()[of(node)]).collect())?
+        .with_orders(kept.iter().map(|node| tree.orders()[of(node)]).collect())?;
+        Ok((skeleton, kept))
+    }
+
+    /// Whether something fell.
+    fn round(&self, tree: &Skeleton, stays: &mut [bool]) -> bool {
+        let mut children = vec![0u32; tree.len()];
+        let mut tips = vec![0u32; tree.len()];
+        for (node, parent) in tree.edges().rev().filter(|&(node, _)| stays[node]) {
+            tips[node] = tips[node].max(1);
+            tips[parent] += tips[node];
+            children[parent] += 1;
+        }
+        let mut fell = false;
+        for branch in tree.branches().iter().filter(|branch| branch.order() > 0) {
+            // The base is the parent branch's.
+            let axis = branch.nodes();
+            let standing = axis.iter().take_while(|&&node| stays[node as usize]).count();
+            if standing < 2 {
+                continue;
+            }
+            let axis = &axis[..standing];
+            let place = |i: usize| tree.positions()[axis[i] as usize];
+            let length = |from: usize| (from + 1..standing).map(|i| place(i).distance(place(i - 1))).sum::<f32>();
+            let is_fork = |&i: &usize| children[axis[i] as usize] > u32::from(i + 1 < standing);
+            let last = (1..standing).rev().find(is_fork).unwrap_or(0);
+            let whole = length(0);
+            let sparse = whole > self.bare && (tips[axis[1] as usize] as f32) < self.density * whole;
+            let cut = if sparse {
+                0
+            } else if length(last) > self.bare {
+                last
+            } else {
+                continue;
+            };
+            if cut + 1 < standing {
+                stays[axis[cut + 1] as usize] = false;
+                fell = true;
+            }
+        }
+        // What a fallen node bears falls with it.
+        for (node, parent) in tree.edges() {
+            stays[node] &= stays[parent];
+        }
+        fell
+    }
+}
