@@ -24,7 +24,8 @@ mod weight;
 
 pub use around::AroundTree;
 pub use endpoint::{
-    Count, EndpointError, EndpointPolicy, HopSurface, InShape, LimbSurface, NearestTo, NearestToEach, Side, StageView,
+    Count, EndpointError, EndpointPolicy, HopSurface, InShape, LimbSurface, NearestTo, NearestToEach, Side,
+    StageView,
 };
 pub use fork::Fork;
 pub use graph::{

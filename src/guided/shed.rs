@@ -62,72 +62,67 @@ impl Shedding {
         ParameterError::unless(fits, "Shedding.least_density", self.density, "finite and at least 0 a metre")
     }
 
-    /// What stays of a tree, and the number in it of each node that stays, ascending. O(n) a round; as many rounds as
-    /// branches fall in a row.
+    /// What stays of a tree, and the number in it of each node that stays, ascending. Orders are worked out anew: where an
+    /// axis has fallen, a branch that it bore goes on. O(n) a round; as many rounds as branches fall in a row.
     ///
     /// # Errors
     /// None for a sound skeleton.
     pub fn shed(&self, tree: &Skeleton) -> Result<(Skeleton, Vec<u32>), SkeletonError> {
-        let mut stays = vec![true; tree.len()];
-        while self.round(tree, &mut stays) {}
-        let kept: Vec<u32> = (0..tree.len() as u32).filter(|&node| stays[node as usize]).collect();
-        let mut new = vec![0u32; tree.len()];
-        for (place, &node) in (0u32..).zip(&kept) {
-            new[node as usize] = place;
+        let mut kept: Vec<u32> = (0..tree.len() as u32).collect();
+        let mut standing = part(tree, &kept)?;
+        while let Some(stays) = self.round(&standing) {
+            let mut stays = stays.into_iter();
+            kept.retain(|_| stays.next() == Some(true));
+            standing = part(tree, &kept)?;
         }
-        let of = |node: &u32| *node as usize;
-        let parent = |node: &u32| tree.parent(of(node)).map(|parent| new[parent]);
-        let skeleton = Skeleton::new(
-            kept.iter().map(|node| tree.positions()[of(node)]).collect(),
-            kept.iter().map(parent).collect(),
-        )?
-        .with_stages(kept.iter().map(|node| tree.stages()[of(node)]).collect())?
-        .with_hops(kept.iter().map(|node| tree.hops()[of(node)]).collect())?
-        .with_radii(kept.iter().map(|node| tree.radii()[of(node)]).collect())?
-        .with_orders(kept.iter().map(|node| tree.orders()[of(node)]).collect())?;
-        Ok((skeleton, kept))
+        Ok((standing, kept))
     }
 
-    /// Whether something fell.
-    fn round(&self, tree: &Skeleton, stays: &mut [bool]) -> bool {
-        let mut children = vec![0u32; tree.len()];
+    /// Which nodes stay, if something falls.
+    fn round(&self, tree: &Skeleton) -> Option<Vec<bool>> {
+        let children = tree.children();
         let mut tips = vec![0u32; tree.len()];
-        for (node, parent) in tree.edges().rev().filter(|&(node, _)| stays[node]) {
+        for (node, parent) in tree.edges().rev() {
             tips[node] = tips[node].max(1);
             tips[parent] += tips[node];
-            children[parent] += 1;
         }
-        let mut fell = false;
+        let mut stays = vec![true; tree.len()];
         for branch in tree.branches().iter().filter(|branch| branch.order() > 0) {
-            // The base is the parent branch's.
+            // Its base is the parent branch's.
             let axis = branch.nodes();
-            let standing = axis.iter().take_while(|&&node| stays[node as usize]).count();
-            if standing < 2 {
-                continue;
-            }
-            let axis = &axis[..standing];
             let place = |i: usize| tree.positions()[axis[i] as usize];
-            let length = |from: usize| (from + 1..standing).map(|i| place(i).distance(place(i - 1))).sum::<f32>();
-            let is_fork = |&i: &usize| children[axis[i] as usize] > u32::from(i + 1 < standing);
-            let last = (1..standing).rev().find(is_fork).unwrap_or(0);
+            let length =
+                |from: usize| (from + 1..axis.len()).map(|i| place(i).distance(place(i - 1))).sum::<f32>();
+            let last = (1..axis.len()).rev().find(|&i| children.of(axis[i] as usize).len() > 1).unwrap_or(0);
             let whole = length(0);
-            let sparse = whole > self.bare && (tips[axis[1] as usize] as f32) < self.density * whole;
-            let cut = if sparse {
-                0
+            let is_sparse = whole > self.bare && (tips[axis[1] as usize] as f32) < self.density * whole;
+            if is_sparse {
+                stays[axis[1] as usize] = false;
             } else if length(last) > self.bare {
-                last
-            } else {
-                continue;
-            };
-            if cut + 1 < standing {
-                stays[axis[cut + 1] as usize] = false;
-                fell = true;
+                stays[axis[last + 1] as usize] = false;
             }
         }
         // What a fallen node bears falls with it.
         for (node, parent) in tree.edges() {
             stays[node] &= stays[parent];
         }
-        fell
+        stays.contains(&false).then_some(stays)
     }
+}
+
+/// Some nodes of a tree, ascending, each with its parent.
+fn part(tree: &Skeleton, nodes: &[u32]) -> Result<Skeleton, SkeletonError> {
+    let mut new = vec![0u32; tree.len()];
+    for (place, &node) in (0u32..).zip(nodes) {
+        new[node as usize] = place;
+    }
+    let of = |node: &u32| *node as usize;
+    let parent = |node: &u32| tree.parent(of(node)).map(|parent| new[parent]);
+    Skeleton::new(
+        nodes.iter().map(|node| tree.positions()[of(node)]).collect(),
+        nodes.iter().map(parent).collect(),
+    )?
+    .with_stages(nodes.iter().map(|node| tree.stages()[of(node)]).collect())?
+    .with_hops(nodes.iter().map(|node| tree.hops()[of(node)]).collect())?
+    .with_radii(nodes.iter().map(|node| tree.radii()[of(node)]).collect())
 }

@@ -2,9 +2,10 @@
 
 use super::{Site, degrees};
 use crate::guided::{
-    Apart, Bend, ForkAngle, Guided, Leader, LimbSurface, Shedding, Stage, TreeSynth,
+    Apart, Bend, ForkAngle, Guided, Leader, LimbSurface, Shedding, Stage, TreeSynth, Within,
 };
 use crate::radius::{PipeModel, Stout, Taper};
+use crate::shape::{Cylinder, Shape};
 use glam::Vec3;
 
 /// Twigs `metres` off the branches, one for every `spacing` metres of each; they leave their parent branch at 50°.
@@ -25,12 +26,16 @@ pub(super) fn leader(height: f32) -> Leader {
 /// Whips fall, and what stays is thick enough for its length.
 pub(super) fn finished(synth: TreeSynth, trunk: f32) -> TreeSynth {
     let pipes = PipeModel::default().with_exponent(2.4).with_trunk_diameter(trunk);
-    synth.with_shedding(Shedding::new().with_bare_end(0.9)).with_radius(Stout::new(Taper::new(pipes), 1.0 / 80.0))
+    synth
+        .with_shedding(Shedding::new().with_bare_end(0.9))
+        .with_radius(Stout::new(Taper::new(pipes), 1.0 / 80.0))
 }
 
 impl Site {
-    /// Limbs by a rule of hops in the typical graph here, to endpoints in a crown.
-    pub(super) fn crown(self, rule: Bend, crown: impl crate::shape::Shape + 'static, count: usize) -> Stage {
-        self.limbs(rule, crown, count).with_weight(Apart::new(Guided, 0.25))
+    /// Limbs by a rule of hops in the typical graph here, to endpoints in a crown; none leaves the trunk below `bole`
+    /// metres.
+    pub(super) fn crown(self, rule: Bend, crown: impl Shape + 'static, count: usize, bole: f32) -> Stage {
+        let clear = Cylinder::new(Vec3::ZERO, self.width, bole);
+        self.limbs(rule, crown, count).with_weight(Within::obstacle(Apart::new(Guided, 0.25), clear))
     }
 }

@@ -4,7 +4,7 @@ use allocation_counter::measure;
 use treesynth::guided::Search;
 use treesynth::{Silent, presets};
 
-/// Some thirty a stage, most of them of lists that double as they grow, nearly whatever the number of nodes.
+/// Some forty a stage, most of them of lists that double as they grow, nearly whatever the number of nodes.
 #[test]
 fn a_second_tree_allocates_a_handful() {
     for nodes in [5_000, 20_000, 80_000] {
@@ -14,7 +14,7 @@ fn a_second_tree_allocates_a_handful() {
         let mut grow = |seed| measure(|| drop(synth.grow(&mut search, seed, &Silent).unwrap())).count_total;
         let (first, again, other) = (grow(1), grow(1), grow(2));
         println!("{nodes} nodes: {first} allocations, {again} for the same tree again, {other} for another");
-        assert!(again < 250 && again < first, "{again} allocations for the same tree, {first} for the first");
-        assert!(other < 250, "{other} allocations for another tree");
+        assert!(again < 300 && again < first, "{again} allocations for the same tree, {first} for the first");
+        assert!(other < 300, "{other} allocations for another tree");
     }
 }

@@ -1,5 +1,6 @@
 //! Data flows one way: a module imports only from its left.
 
+use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
 use std::path::{Path, PathBuf};
 
@@ -113,5 +114,54 @@ fn features_are_documented() {
         for name in &names {
             assert!(text.contains(&format!("| `{name}` |")), "{file} does not list the feature {name}");
         }
+    }
+}
+
+/// Files and folders of `src/guided`, each with those it imports from.
+fn guided() -> BTreeMap<String, BTreeSet<String>> {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("src/guided");
+    let mut files = Vec::new();
+    sources(&folder, &mut files);
+    let mut imports: BTreeMap<String, BTreeSet<String>> = BTreeMap::new();
+    for file in files {
+        let path = file.strip_prefix(&folder).unwrap();
+        let unit = path.components().next().unwrap().as_os_str().to_str().unwrap().trim_end_matches(".rs");
+        if unit == "mod" {
+            continue;
+        }
+        let text = fs::read_to_string(&file).unwrap();
+        let code = text.split("#[cfg(test)]\nmod tests").next().unwrap();
+        // `super` is the folder itself for its own files, and for the `mod.rs` of a folder in it.
+        let is_own = path.components().count() == 1 || path.ends_with("mod.rs");
+        for line in code.lines().filter(|line| line.starts_with("use ")) {
+            let after = line
+                .strip_prefix("use crate::guided::")
+                .or_else(|| line.strip_prefix("use super::").filter(|_| is_own));
+            let name = after.and_then(|after| after.split([':', ';']).next()).unwrap_or_default();
+            let is_inside = folder.join(unit).join(format!("{name}.rs")).exists();
+            if name.starts_with(char::is_lowercase) && name != unit && !is_inside {
+                imports.entry(unit.to_owned()).or_default().insert(name.to_owned());
+            }
+        }
+        imports.entry(unit.to_owned()).or_default();
+    }
+    imports
+}
+
+#[test]
+fn guided_is_a_line() {
+    let mut imports = guided();
+    assert!(imports.len() > 10 && imports.values().map(BTreeSet::len).sum::<usize>() > 20, "{imports:?}");
+    // What imports from nothing that is left comes off, until nothing is left or a circle.
+    while !imports.is_empty() {
+        let free: Vec<String> = imports
+            .iter()
+            .filter(|(_, from)| from.iter().all(|name| !imports.contains_key(name)))
+            .map(|(name, _)| name.clone())
+            .collect();
+        assert!(!free.is_empty(), "these import from each other in a circle: {imports:?}");
+        free.iter().for_each(|name| {
+            imports.remove(name);
+        });
     }
 }

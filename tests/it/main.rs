@@ -15,6 +15,7 @@ mod hull;
 #[cfg(feature = "testing")]
 mod invariants;
 mod layers;
+mod limbs;
 #[cfg(feature = "mint")]
 mod mint_vectors;
 mod oracles;

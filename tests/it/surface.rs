@@ -116,7 +116,7 @@ proptest! {
 
 #[test]
 fn capsules_are_few_and_checked() {
-    let tree = tree("figure-06c", 20_000);
+    let tree = tree("figure-06c", 40_000);
     let found = Capsules::default().of(&tree).expect("sound options").len();
     assert!(found > 20 && found * 3 < tree.segments(), "{found} capsules of {} internodes", tree.segments());
     for bad in [-1.0, f32::NAN, f32::INFINITY] {

@@ -58,16 +58,16 @@ impl HopSurface {
     }
 
     /// Graph distance with random weights instead of hops: each edge counts 1 ± `randomness` times as much, in [0, 1),
-    /// and the surface holds the nodes that come nearest to k. 0 counts hops.
+    /// and the surface holds the nodes that are k away, to half an edge. 0 counts hops.
     pub fn with_random_weights(mut self, randomness: f32) -> Self {
         self.randomness = randomness;
         self
     }
 
     /// Counts hops by metres of path along edges: k hops are k times `metres`, finite and above 0, and the surface holds
-    /// the nodes that come nearest to that on their way from the tree. Twigs then are as long on graphs of any
-    /// spacing; by edges, as in the paper, they are as long as the graph is coarse. Where all edges are much longer
-    /// than k hops, one edge.
+    /// the nodes that are as far from the tree, to half a hop. Twigs then are as long on graphs of any spacing; by
+    /// edges, as in the paper, they are as long as the graph is coarse. Where all edges are longer than k hops, the
+    /// surface holds the ends of the shortest.
     pub fn with_hop_length(mut self, metres: f32) -> Self {
         self.hop = Some(metres);
         self
@@ -107,9 +107,8 @@ impl HopSurface {
 
     /// The length of an edge in hops.
     fn weight(&self, from: u32, to: u32, view: &StageView<'_>) -> f32 {
-        let hops = self.hop.map_or(1.0, |hop| {
-            view.graph().position(from).distance(view.graph().position(to)) / hop
-        });
+        let hops =
+            self.hop.map_or(1.0, |hop| view.graph().position(from).distance(view.graph().position(to)) / hop);
         if self.randomness == 0.0 {
             return hops;
         }
@@ -123,9 +122,9 @@ impl HopSurface {
         let (graph, search) = (view.graph(), view.search());
         if self.randomness > 0.0 || self.hop.is_some() {
             let k = self.hops as f32;
-            // Where edges are longer than k itself, only those nodes that are not much too far.
+            // Half a hop to each side; less where edges are shorter, so that the surface stays one node thick.
             let is_on_surface = |distance: &Distance| {
-                let half = distance.last.min(k) * 0.5;
+                let half = distance.last.min(1.0) * 0.5;
                 distance.whole - half <= k && distance.whole + half > k
             };
             let distances = self.distances(search.tree(), k, view);
@@ -136,7 +135,14 @@ impl HopSurface {
             if !surface.is_empty() {
                 return surface;
             }
-            return nodes(&|distance| distance.whole == distance.last && distance.whole > 0.0);
+            // All edges are longer than that: the ends of the shortest.
+            let off_tree = |distance: &&Distance| distance.whole > 0.0;
+            let nearest = distances
+                .iter()
+                .filter(off_tree)
+                .map(|distance| distance.whole)
+                .fold(f32::INFINITY, f32::min);
+            return nodes(&|distance| distance.whole > 0.0 && distance.whole <= 1.2 * nearest);
         }
         let mut seen: Vec<bool> = (0..graph.nodes() as u32).map(|node| search.is_on_tree(node)).collect();
         let mut ring = search.tree().to_vec();

@@ -108,7 +108,7 @@ fn figure_07() {
         })
     };
     let right = turns(&trees);
-    ascending("the more, the farther out", &[5.0, right[0], 30.0, right[1], 65.0, right[2]]); // 19, 45, 83
+    ascending("the more, the farther out", &[5.0, right[0], 40.0, right[1], 85.0, right[2]]); // 26, 65, 106
     // A constant angle that bends the outer branches as far bends the inner ones twice as far.
     let constant = turns(&each(&trees, |tree| tree.ruled(0, Bend::constant(degrees(9.0))))); // 25, 51, 76
     let inside = (right[0] / right[2]) / (constant[0] / constant[2]);

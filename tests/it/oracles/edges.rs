@@ -68,9 +68,24 @@ impl Sectors {
     }
 }
 
-/// In every sector of every node the edge leads to the nearest node, and there are no other edges. Where a node is
-/// so near to a border that rounding may decide, the sectors on both sides are left out.
-fn assert_yao(graph: &Graph, sectors: Sectors) {
+/// Edges of up to three spacings for up to 8 sectors; for more, as far as a sector holds as many nodes.
+fn reach_of(sectors: usize, flat: bool) -> f64 {
+    let share = (sectors as f64 / 8.0).max(1.0);
+    3.0 * if flat { share.sqrt() } else { share.cbrt() }
+}
+
+/// In a cloud: twice as far as the eighth nearest point.
+fn reach_in_cloud(points: &[Vec3], from: u32) -> f64 {
+    let at = points[from as usize].as_dvec3();
+    let mut distances: Vec<f64> = points.iter().map(|point| point.as_dvec3().distance(at)).collect();
+    distances.sort_by(f64::total_cmp);
+    distances.get(8).map_or(f64::INFINITY, |eighth| 2.0 * eighth)
+}
+
+/// In every sector of every node the edge leads to the nearest node within reach, and there are no other edges. Where a
+/// node is so near to a border that rounding may decide, the sectors on both sides are left out; so are nodes at the very
+/// end of the reach.
+fn assert_yao(graph: &Graph, sectors: Sectors, reach: impl Fn(u32) -> f64) {
     let nodes = graph.nodes() as u32;
     let at = |node: u32| graph.position(node).as_dvec3();
     let mut checked = 0;
@@ -94,8 +109,14 @@ fn assert_yao(graph: &Graph, sectors: Sectors) {
                 assert_eq!(edges[sector].replace(to), None, "two edges of {from} in sector {sector}");
             }
         }
+        let reach = reach(from).powi(2);
         for (sector, &(distance, expected)) in nearest.iter().enumerate() {
-            if unclear <= distance {
+            if unclear <= distance || (distance / reach - 1.0).abs() < 1e-5 {
+                continue;
+            }
+            if distance > reach {
+                assert_eq!(edges[sector], None, "{from} reaches farther than {}", reach.sqrt());
+                checked += usize::from(expected != u32::MAX);
                 continue;
             }
             let Some(found) = edges[sector] else {
@@ -155,15 +176,23 @@ proptest! {
             1 => PoissonYao::new(HalfEllipsoid::new(Vec3::ZERO, Vec3::new(3.0, 1.0, 2.0))),
             _ => PoissonYao::new(plot(1.0, 9.0)),
         };
-        assert_yao(&built(&builder.clone().with_nodes(nodes), seed), Sectors::Octants);
-        assert_yao(&built(&builder.with_nodes(nodes).planar(), seed), Sectors::Wedges(8));
+        for (builder, sectors) in [
+            (builder.clone().with_nodes(nodes), Sectors::Octants),
+            (builder.with_nodes(nodes).planar(), Sectors::Wedges(8)),
+        ] {
+            let spacing = f64::from(builder.spacing().expect("sound options"));
+            assert_yao(&built(&builder, seed), sectors, |_| 3.0 * spacing);
+        }
     }
 
     #[test]
     fn other_sector_counts(seed: u64, nodes in 50usize..500, sectors in prop::sample::select(vec![3, 6, 12, 26])) {
         let builder = PoissonYao::new(plot(4.0, 4.0)).with_nodes(nodes).with_sectors(sectors);
-        assert_yao(&built(&builder, seed), Sectors::Spiral(sectors));
-        assert_yao(&built(&builder.planar(), seed), Sectors::Wedges(sectors));
+        for (builder, flat) in [(builder.clone(), false), (builder.planar(), true)] {
+            let reach = reach_of(sectors, flat) * f64::from(builder.spacing().expect("sound options"));
+            let divided = if flat { Sectors::Wedges(sectors) } else { Sectors::Spiral(sectors) };
+            assert_yao(&built(&builder, seed), divided, |_| reach);
+        }
     }
 
     #[test]
@@ -174,7 +203,11 @@ proptest! {
             let graph = built(&PointCloud::new(points.clone(), edges), 0);
             prop_assert_eq!(graph.positions(), &points[..]);
             if count > 30 {
-                assert_yao(&graph, Sectors::of_edges(edges));
+                assert_yao(&graph, Sectors::of_edges(edges), |from| reach_in_cloud(&points, from));
+            }
+            if count > 30 {
+                let unbounded = PointCloud::new(points.clone(), edges).with_reach(f32::INFINITY);
+                assert_yao(&built(&unbounded, 0), Sectors::of_edges(edges), |_| f64::INFINITY);
             }
             assert_nearest(&built(&PointCloud::new(points, Edges::Nearest(k)), 0), k, false);
         }
@@ -187,7 +220,8 @@ proptest! {
             built(&Lattice::new(region, 0.3).with_jitter(jitter).with_edges(edges), seed)
         };
         for edges in [Edges::Yao(sectors), Edges::PlanarYao(sectors)] {
-            assert_yao(&lattice(edges), Sectors::of_edges(edges));
+            let reach = 0.3 * reach_of(sectors, matches!(edges, Edges::PlanarYao(_)));
+            assert_yao(&lattice(edges), Sectors::of_edges(edges), |_| reach);
         }
         assert_nearest(&lattice(Edges::Nearest(7)), 7, false);
     }
@@ -207,9 +241,12 @@ fn graphs_of_varying_spacing() {
         (GradedYao::new(plot(6.0, 6.0), point), 20),
     ] {
         let builder = builder.with_nodes(2500).with_grading(0.14).with_sectors(sectors);
-        let (low, high) = builder.spacing().expect("a sound region").extremes();
+        let spacing = builder.spacing().expect("a sound region");
+        let (low, high) = spacing.extremes();
         assert!(high > 1.5 * low, "{low} to {high}");
-        assert_yao(&built(&builder, 1), Sectors::of_edges(Edges::Yao(sectors)));
+        let graph = built(&builder, 1);
+        let reach = |from: u32| reach_of(sectors, false) * f64::from(spacing.at(graph.position(from)));
+        assert_yao(&graph, Sectors::of_edges(Edges::Yao(sectors)), reach);
     }
 }
 
@@ -219,10 +256,10 @@ fn a_lattice_without_jitter() {
     let lattice = |edges| built(&Lattice::new(plot(3.0, 3.0), 0.5).with_jitter(0.0).with_edges(edges), 1);
     let cubic = lattice(Edges::Yao(8));
     assert_eq!(cubic.nodes(), 7 * 7 * 7);
-    assert_yao(&cubic, Sectors::Octants);
+    assert_yao(&cubic, Sectors::Octants, |_| 1.5);
     let square = lattice(Edges::PlanarYao(8));
     assert_eq!(square.nodes(), 7 * 7);
-    assert_yao(&square, Sectors::Wedges(8));
+    assert_yao(&square, Sectors::Wedges(8), |_| 1.5);
 }
 
 #[test]
