@@ -1,0 +1,106 @@
+//! Where each tube begins: in the wood that bears it.
+
+use super::Tubes;
+use super::axis::{Axes, Axis};
+use super::collar::{Collar, LONGEST};
+use crate::math;
+use glam::Vec3;
+use std::f32::consts::PI;
+
+/// The part of its radius with which a branch without a collar begins, so that its rim stays within its bearer.
+const HIDDEN: f32 = 0.6;
+/// Tips of at least so many sides are domes; others are cones.
+pub(super) const DOME_SIDES: u32 = 7;
+
+impl Axes {
+    /// Has each axis begin where it comes out of what bears it, or hidden in there. To be called once, for bearers come
+    /// before what they bear.
+    pub(super) fn attach(&mut self, options: &Tubes) {
+        for number in 0..self.all.len() {
+            let axis = &self.all[number];
+            let goes_on = number > 0 && self.all[number - 1].branch == axis.branch;
+            if goes_on {
+                // After a sharp turn.
+                let tip = within_tip(self.all[number - 1].sides);
+                self.stations[axis.stations.start].radius *= tip;
+                continue;
+            }
+            let Some(bearing) = self.bearing(axis) else {
+                if axis.bearer.is_some() && options.collars {
+                    self.stations[axis.stations.start].radius *= HIDDEN;
+                }
+                continue;
+            };
+            let collar = Collar::of(self, axis, bearing).filter(|collar| options.blends(collar.end.radius));
+            if let Some(collar) = collar {
+                let first = collar.next - 1;
+                self.stations[first] = collar.end;
+                self.stations[first - 1] = collar.start;
+                // Below the base of a trunk there is no wood for a collar to be filled with.
+                let hollow = self.stands(bearing, collar.start.position)
+                    && collar.start.tangent.dot(self.wood(bearing.0).stations[0].tangent) < 0.0;
+                let axis = &mut self.all[number];
+                axis.has_collar = true;
+                axis.stations.start = first;
+                axis.wood = if hollow { first } else { first - 1 };
+            } else {
+                self.hide(number, bearing, options);
+            }
+            self.all[number].bearing = Some(bearing);
+        }
+    }
+
+    /// The numbers of the axis out of which another comes, and of the station where.
+    ///
+    /// That is the branch that bears it; or what bears that branch, if it is still within that where it has a lateral.
+    fn bearing(&self, axis: &Axis) -> Option<(usize, usize)> {
+        // Where the bearer has no surface, the branch itself is what is found there.
+        let (mut bearer, mut station) =
+            self.place(axis.bearer?).filter(|(_, place)| !axis.stations.contains(place))?;
+        while let Some((elder, at)) = self.all[bearer].bearing {
+            let parent = &self.all[bearer];
+            let far = self.stations[station].along - parent.base.along;
+            let wood = self.wood(elder);
+            if far > LONGEST * (wood.stations[at].radius + parent.base.radius)
+                || wood.near(axis.base.position, at).outside() > 0.0
+            {
+                break;
+            }
+            (bearer, station) = (elder, self.all[elder].wood + at);
+        }
+        let first = self.all[bearer].wood;
+        Some((bearer, station.saturating_sub(first)))
+    }
+
+    /// Whether a place is the base of a trunk, which has wood on one side only.
+    fn stands(&self, (bearer, station): (usize, usize), position: Vec3) -> bool {
+        self.all[bearer].bearing.is_none() && self.wood(bearer).near(position, station).place.is_start()
+    }
+
+    /// Has an axis begin within what bears it, without a collar.
+    fn hide(&mut self, number: usize, (bearer, station): (usize, usize), options: &Tubes) {
+        let axis = &self.all[number];
+        let near = self.wood(bearer).near(axis.base.position, station);
+        let stands = self.stands((bearer, station), axis.base.position);
+        let wood = self.wood(bearer);
+        let within = near.radius * math::cos(PI / self.all[bearer].sides as f32) * wood.slimness(near.place);
+        let first = &mut self.stations[axis.stations.start];
+        first.radius = first.radius.min(within);
+        if options.collars {
+            first.position -= near.way;
+            first.radius *= if stands { 0.0 } else { HIDDEN };
+        }
+    }
+}
+
+/// The largest ring that is within the tip of a tube around its end, whatever way it faces, in radii of the tube.
+fn within_tip(sides: u32) -> f32 {
+    let within = math::cos(PI / sides as f32);
+    if sides >= DOME_SIDES {
+        // Half a step from the end's ring to the dome's.
+        within * math::cos(PI / 8.0)
+    } else {
+        // The height of a face of the pyramid above the middle of its base.
+        within / (1.0 + within * within).sqrt()
+    }
+}
