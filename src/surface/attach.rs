@@ -3,8 +3,8 @@
 use super::Tubes;
 use super::axis::{Axes, Axis};
 use super::collar::{Collar, LONGEST};
+use super::wood::Near;
 use crate::math;
-use glam::Vec3;
 use std::f32::consts::PI;
 
 /// The part of its radius with which a branch without a collar begins, so that its rim stays within its bearer.
@@ -31,22 +31,23 @@ impl Axes {
                 }
                 continue;
             };
-            let collar = Collar::of(self, axis, bearing).filter(|collar| options.blends(collar.end.radius));
-            if let Some(collar) = collar {
+            let base = self.wood(bearing.0).near(axis.base.position, bearing.1);
+            let collar = if options.collars { Collar::of(self, axis, bearing.0, &base) } else { None };
+            if let Some(collar) = collar.filter(|collar| options.blends(collar.end.radius)) {
+                // Below the base of a trunk there is no wood for a collar to be filled with.
+                let below = collar.start.tangent.dot(self.wood(bearing.0).stations[0].tangent) < 0.0;
+                let hollow = below && self.stands(bearing.0, &base);
                 let first = collar.next - 1;
                 self.stations[first] = collar.end;
                 self.stations[first - 1] = collar.start;
-                // Below the base of a trunk there is no wood for a collar to be filled with.
-                let hollow = self.stands(bearing, collar.start.position)
-                    && collar.start.tangent.dot(self.wood(bearing.0).stations[0].tangent) < 0.0;
                 let axis = &mut self.all[number];
                 axis.has_collar = true;
                 axis.stations.start = first;
                 axis.wood = if hollow { first } else { first - 1 };
             } else {
-                self.hide(number, bearing, options);
+                self.hide(number, bearing.0, &base, options);
             }
-            self.all[number].bearing = Some(bearing);
+            self.all[number].bearing = Some((bearing.0, base.place.ring));
         }
     }
 
@@ -72,22 +73,20 @@ impl Axes {
         Some((bearer, station.saturating_sub(first)))
     }
 
-    /// Whether a place is the base of a trunk, which has wood on one side only.
-    fn stands(&self, (bearer, station): (usize, usize), position: Vec3) -> bool {
-        self.all[bearer].bearing.is_none() && self.wood(bearer).near(position, station).place.is_start()
+    /// Whether a place on an axis is the base of a trunk, which has wood on one side only.
+    fn stands(&self, bearer: usize, base: &Near) -> bool {
+        self.all[bearer].bearing.is_none() && base.place.is_start()
     }
 
     /// Has an axis begin within what bears it, without a collar.
-    fn hide(&mut self, number: usize, (bearer, station): (usize, usize), options: &Tubes) {
-        let axis = &self.all[number];
-        let near = self.wood(bearer).near(axis.base.position, station);
-        let stands = self.stands((bearer, station), axis.base.position);
-        let wood = self.wood(bearer);
-        let within = near.radius * math::cos(PI / self.all[bearer].sides as f32) * wood.slimness(near.place);
-        let first = &mut self.stations[axis.stations.start];
+    fn hide(&mut self, number: usize, bearer: usize, base: &Near, options: &Tubes) {
+        let inscribed = math::cos(PI / self.all[bearer].sides as f32);
+        let within = base.radius * inscribed * self.wood(bearer).slimness(base.place);
+        let stands = self.stands(bearer, base);
+        let first = &mut self.stations[self.all[number].stations.start];
         first.radius = first.radius.min(within);
         if options.collars {
-            first.position -= near.way;
+            first.position -= base.way;
             first.radius *= if stands { 0.0 } else { HIDDEN };
         }
     }

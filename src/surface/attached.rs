@@ -94,7 +94,8 @@ impl Body {
     /// Whether its triangles wind around a point, from what a ray from there crosses. Several rays vote, for one may
     /// graze an edge.
     fn holds(&self, point: DVec3) -> bool {
-        let ways = [DVec3::new(0.31, 0.53, 0.79), DVec3::new(-0.83, 0.27, 0.49), DVec3::new(0.43, -0.71, 0.56)];
+        let ways =
+            [DVec3::new(0.31, 0.53, 0.79), DVec3::new(-0.83, 0.27, 0.49), DVec3::new(0.43, -0.71, 0.56)];
         let votes = ways.iter().filter(|way| self.winding(point, **way) > 0).count();
         votes >= 2
     }
@@ -168,7 +169,13 @@ fn tubes(plan: &Plan, options: &Tubes) -> (Vec<Tube>, Mesh) {
         let is_point = !axis.has_collar && plan.axes.stations[axis.stations.start].radius == 0.0;
         let ring = if is_point { vertices..vertices + 1 } else { ring };
         let radius = f64::from(first.radius);
-        tubes.push(Tube { ring, indices: indices..mesh.indices.len(), parent, radius, place: first.position });
+        tubes.push(Tube {
+            ring,
+            indices: indices..mesh.indices.len(),
+            parent,
+            radius,
+            place: first.position,
+        });
         (vertices, indices) = (mesh.positions.len(), mesh.indices.len());
     });
     (tubes, mesh)

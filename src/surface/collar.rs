@@ -28,7 +28,7 @@ const CORE: f32 = 0.5;
 /// The farthest that a branch springs from its bearer's axis, in radii of the bearer.
 const OFF_AXIS: f32 = 0.5;
 /// How near to its bearer's surface the way out is looked for, in radii of the branch.
-const TOLERANCE: f32 = 0.02;
+const TOLERANCE: f32 = 0.1;
 /// How near to that clearance a collar ends, in radii of the branch.
 const NEAR: f32 = 0.25;
 /// The shortest way from a collar to the next ring, in radii of the branch.
@@ -82,50 +82,51 @@ impl Curves {
 }
 
 impl Collar {
-    /// The collar of `axis`, which springs from the wood that `bearing` names; `None` for what does not come out of it
-    /// in time.
-    pub(super) fn of(axes: &Axes, axis: &Axis, bearing: (usize, usize)) -> Option<Self> {
-        let wood = axes.wood(bearing.0);
-        let base = wood.near(axis.base.position, bearing.1);
+    /// The collar of `axis`, which springs at `base` out of the wood of `bearer`; `None` for what does not come out of
+    /// it in time.
+    pub(super) fn of(axes: &Axes, axis: &Axis, bearer: usize, base: &Near) -> Option<Self> {
+        let wood = axes.wood(bearer);
         let stations = &axes.stations[axis.stations.clone()];
-        let longest = LONGEST * (base.radius + stations[0].radius);
+        let first = stations[0];
+        let longest = LONGEST * (base.radius + first.radius);
         let mut ring = base.place.ring;
         // How far a ring is outside of the bearer, less the clearance.
-        let mut outside = |station: &Station| {
-            let near = wood.near(station.position, ring);
+        let mut outside = |position: Vec3, tangent: Vec3, radius: f32| {
+            let near = wood.near(position, ring);
             ring = near.place.ring;
-            let sideways = if near.distance > 0.0 { station.tangent.dot(near.way) / near.distance } else { 0.0 };
+            let sideways = if near.distance > 0.0 { tangent.dot(near.way) / near.distance } else { 0.0 };
             let reach = (1.0 - sideways * sideways).max(0.0).sqrt();
-            near.outside() - station.radius * (reach + CLEARANCE)
+            near.outside() - radius * (reach + CLEARANCE)
         };
-        let mut before = -base.radius - stations[0].radius;
+        let mut before = -base.radius - first.radius;
         for (i, pair) in stations.windows(2).enumerate() {
-            if pair[0].along - stations[0].along > longest {
+            let [from, to] = [&pair[0], &pair[1]];
+            if from.along - first.along > longest {
                 return None;
             }
-            let after = outside(&pair[1]);
-            if after >= 0.0 {
-                let (mut low, mut high) = ((0.0, before), (1.0, after));
-                let mut part = (before / (before - after)).clamp(0.0, 1.0);
-                for _ in 0..6 {
-                    // A bearer that bends, tapers or flares is left sooner or later than a straight one.
-                    let end = pair[0].lerp(&pair[1], part);
-                    let far = outside(&end);
-                    if (-NEAR..=NEAR).contains(&(far / end.radius)) {
-                        break;
-                    }
-                    *(if far < 0.0 { &mut low } else { &mut high }) = (part, far);
-                    part = low.0 + (high.0 - low.0) * (low.1 / (low.1 - high.1)).clamp(0.1, 0.9);
-                }
-                let rest = (1.0 - part) * pair[0].position.distance(pair[1].position);
-                let too_near = rest < SHORTEST * pair[1].radius;
-                let end = if too_near { pair[1] } else { pair[0].lerp(&pair[1], part) };
-                let next = axis.stations.start + i + 1 + usize::from(too_near);
-                let short = end.along - stations[0].along <= longest;
-                let sound = base.radius > 0.0 && end.radius > 0.0 && short;
-                return sound.then(|| Self { start: start(&base, axis, &end), end, next });
+            let after = outside(to.position, to.tangent, to.radius);
+            if after < 0.0 {
+                before = after;
+                continue;
             }
-            before = after;
+            let way = to.position - from.position;
+            let (mut low, mut high) = ((0.0, before), (1.0, after));
+            let mut part = (before / (before - after)).clamp(0.0, 1.0);
+            // A bearer that bends, tapers or flares is left sooner or later than a straight one.
+            for _ in 0..6 {
+                let radius = from.radius + (to.radius - from.radius) * part;
+                let far = outside(from.position + way * part, to.tangent, radius);
+                if far.abs() <= NEAR * radius {
+                    break;
+                }
+                *(if far < 0.0 { &mut low } else { &mut high }) = (part, far);
+                part = low.0 + (high.0 - low.0) * (low.1 / (low.1 - high.1)).clamp(0.1, 0.9);
+            }
+            let too_near = (1.0 - part) * way.length() < SHORTEST * to.radius;
+            let end = if too_near { *to } else { from.lerp(to, part) };
+            let next = axis.stations.start + i + 1 + usize::from(too_near);
+            let sound = base.radius > 0.0 && end.radius > 0.0 && end.along - first.along <= longest;
+            return sound.then(|| Self { start: start(base, axis, &end), end, next });
         }
         None
     }
@@ -160,8 +161,10 @@ pub(super) fn curves(axes: &Axes, circles: &Circles, axis: &Axis, curves: &mut V
     let sunk = SUNK * thickness + (edge * edge / (8.0 * bearing.base.radius)).min(0.5 * thickness);
 
     let each = Vec4::splat;
-    let way = Way::new(&bearing, &start, end.position, thickness);
-    let center = start.position + start.tangent * bearing.exit(&way, start.position, way.guesses(Lanes::default()).x).0;
+    let mut way = Way::new(&bearing, &start, end.position, thickness);
+    let (middle, near) = bearing.exit(&way, start.position, way.guesses(Lanes::default()).x);
+    let center = start.position + start.tangent * middle;
+    way.straighten(&bearing, &near, center - start.position);
     let [normal, binormal] = [start.normal, start.tangent.cross(start.normal)].map(Lanes::splat);
     let [end_normal, end_binormal] = [end.normal, end.tangent.cross(end.normal)].map(Lanes::splat);
     for &[cos, sin] in &circles.of(axis.sides).fours {
@@ -171,25 +174,32 @@ pub(super) fn curves(axes: &Axes, circles: &Circles, axis: &Axis, curves: &mut V
         let exits: [_; LANES] = std::array::from_fn(|lane| bearing.exit(&way, starts[lane], guesses[lane]));
         let points = Lanes::of(std::array::from_fn(|lane| starts[lane] + start.tangent * exits[lane].0));
         let nears = exits.map(|(_, near)| near);
-        let radial = Lanes::of(nears.map(|near| near.way)).normalize_or(Lanes::default);
+        let ways = Lanes::of(nears.map(|near| near.way));
+        let radial = ways.normalize_or(Lanes::default);
+        let [tangents, normals] = bearing.frames(&nears);
+        let turned = [ways.dot(tangents.cross(normals)), ways.dot(normals)];
         let outward = points - Lanes::splat(center);
         let outward = (outward - radial * outward.dot(radial)).normalize_or(Lanes::default) * each(flare);
         // Along the bearer's round, not off along its tangent.
-        let around = outward.dot(bearing.tangents(&nears).cross(radial)).to_array();
+        let around = outward.dot(tangents.cross(radial));
         let outer = (points + outward).to_array();
         let (mut feet, mut foot_normals) = ([Vec3::ZERO; LANES], [Vec3::ZERO; LANES]);
         let mut depths = [0.0; LANES];
         for (lane, near) in nears.iter().enumerate() {
-            let [sin, cos] = bearing.wood.turn(near);
             let place = bearing.wood.place(outer[lane], near.place.ring);
             let round = if near.radius > 0.0 { around[lane] / near.radius } else { 0.0 };
             depths[lane] = sunk.min(bearing.deepest(place));
-            (feet[lane], foot_normals[lane]) = bearing.surface(place, (atan2(sin, cos) + round) / TAU);
+            (feet[lane], foot_normals[lane]) =
+                bearing.surface(place, (atan2(turned[0][lane], turned[1][lane]) + round) / TAU);
         }
         let (feet, foot_normals) = (Lanes::of(feet), Lanes::of(foot_normals).normalize_or(|| radial));
         let rim = end_normal * cos + end_binormal * sin;
         curves.push(Curves {
-            points: [feet - foot_normals * Vec4::from_array(depths), points, Lanes::splat(end.position) + rim * each(end.radius)],
+            points: [
+                feet - foot_normals * Vec4::from_array(depths),
+                points,
+                Lanes::splat(end.position) + rim * each(end.radius),
+            ],
             normals: [foot_normals, radial],
         });
     }
@@ -223,12 +233,14 @@ impl<'a> Bearing<'a> {
         DEEPEST * self.wood.radius(place) * below.tangent.dot(above.tangent).max(0.0)
     }
 
-    /// The directions of the axis at some places.
-    fn tangents(&self, nears: &[Near; LANES]) -> Lanes {
-        Lanes::of(nears.map(|near| {
+    /// The directions of the axis at some places, and those in which rings begin there.
+    fn frames(&self, nears: &[Near; LANES]) -> [Lanes; 2] {
+        let frames = nears.map(|near| {
             let (below, above) = self.wood.around(near.place);
-            below.tangent.lerp(above.tangent, near.place.part)
-        }))
+            let part = near.place.part;
+            [below.tangent.lerp(above.tangent, part), below.normal.lerp(above.normal, part)]
+        });
+        [0, 1].map(|which| Lanes::of(frames.map(|frame| frame[which])))
     }
 }
 
@@ -246,15 +258,24 @@ struct Way {
 
 impl Way {
     fn new(bearing: &Bearing<'_>, start: &Station, end: Vec3, thickness: f32) -> Self {
-        let (below, above) = bearing.wood.around(bearing.base.place);
-        Self {
+        let mut way = Self {
             direction: start.tangent,
             length: start.position.distance(end),
             tolerance: TOLERANCE * thickness,
-            tangent: below.tangent.lerp(above.tangent, bearing.base.place.part).normalize_or(below.tangent),
-            radius: bearing.base.radius,
-            from: bearing.base.way,
-        }
+            tangent: Vec3::ZERO,
+            radius: 0.0,
+            from: Vec3::ZERO,
+        };
+        way.straighten(bearing, &bearing.base, Vec3::ZERO);
+        way
+    }
+
+    /// Takes the bearer for what it is near a point, which lies so far from the start.
+    fn straighten(&mut self, bearing: &Bearing<'_>, near: &Near, offset: Vec3) {
+        let (below, above) = bearing.wood.around(near.place);
+        self.tangent = below.tangent.lerp(above.tangent, near.place.part).normalize_or(below.tangent);
+        self.radius = near.radius;
+        self.from = near.way - offset;
     }
 
     /// How far from these offsets the way comes out of a straight bearer.

@@ -148,16 +148,6 @@ impl<'a> Wood<'a> {
         (at, near)
     }
 
-    /// The angle of a way from the axis at a place, from where its ring begins: its sine and cosine, of any length.
-    #[inline]
-    pub(super) fn turn(&self, near: &Near) -> [f32; 2] {
-        let (below, above) = self.around(near.place);
-        let part = near.place.part;
-        let normal = below.normal.lerp(above.normal, part);
-        let binormal = below.tangent.cross(below.normal).lerp(above.tangent.cross(above.normal), part);
-        [near.way.dot(binormal), near.way.dot(normal)]
-    }
-
     /// The point of the tube's triangles at a place and an angle from where its rings begin, in turns, and the normal
     /// there, of no particular length. `circle` has the corners of the rings.
     #[inline]
