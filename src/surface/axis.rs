@@ -36,11 +36,13 @@ pub(super) struct Station {
     pub(super) along: f32,
     /// Where the ring begins: a unit vector perpendicular to the tangent, carried along without twist.
     pub(super) normal: Vec3,
+    /// How fast the radius grows along the branch, metres a metre; zero until the axis is attached to what bears it.
+    pub(super) taper: f32,
 }
 
 impl Station {
     const NONE: Self =
-        Self { position: Vec3::ZERO, radius: 0.0, tangent: Vec3::Y, along: 0.0, normal: Vec3::X };
+        Self { position: Vec3::ZERO, radius: 0.0, tangent: Vec3::Y, along: 0.0, normal: Vec3::X, taper: 0.0 };
 
     /// The station at the part `t` of the straight way to `next`.
     pub(super) fn lerp(&self, next: &Self, t: f32) -> Self {
@@ -51,6 +53,7 @@ impl Station {
             tangent,
             along: self.along + (next.along - self.along) * t,
             normal: parallel_transport(self.tangent, tangent, self.normal),
+            taper: 0.0,
         }
     }
 }
@@ -251,6 +254,7 @@ impl Sampler<'_> {
             tangent,
             along,
             normal: across(seam, tangent),
+            taper: 0.0,
         };
         let first = stations.len();
         stations.push(station);
@@ -283,6 +287,7 @@ impl Sampler<'_> {
                     tangent: direction,
                     along: length,
                     normal: parallel_transport(station.tangent, direction, station.normal),
+                    taper: 0.0,
                 };
                 stations.push(station);
             }

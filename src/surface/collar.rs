@@ -41,9 +41,11 @@ const SHORTEST: f32 = 0.25;
 /// curve leaves the bearer along the bearer and arrives along the branch.
 #[derive(Debug)]
 pub(super) struct Collar {
-    /// Where the straight tube within the bearer begins. The first level ring is its end.
+    /// Where the straight tube within the bearer begins, which the first level ring ends.
     pub(super) start: Station,
-    /// That ring.
+    /// The bearer's ring below that start.
+    pub(super) bearing: usize,
+    /// The first level ring.
     pub(super) end: Station,
     /// The number of the station after that ring.
     pub(super) next: usize,
@@ -87,8 +89,8 @@ impl Collar {
     pub(super) fn of(axes: &Axes, axis: &Axis, bearer: usize, base: &Near) -> Option<Self> {
         let wood = axes.wood(bearer);
         let stations = &axes.stations[axis.stations.clone()];
-        let first = stations[0];
-        let longest = LONGEST * (base.radius + first.radius);
+        // The last ring that is well within the bearer, from which the way out is straight.
+        let (mut within, mut start) = (axis.base, *base);
         let mut ring = base.place.ring;
         // How far a ring is outside of the bearer, less the clearance.
         let mut outside = |position: Vec3, tangent: Vec3, radius: f32| {
@@ -96,17 +98,21 @@ impl Collar {
             ring = near.place.ring;
             let sideways = if near.distance > 0.0 { tangent.dot(near.way) / near.distance } else { 0.0 };
             let reach = (1.0 - sideways * sideways).max(0.0).sqrt();
-            near.outside() - radius * (reach + CLEARANCE)
+            (near.outside() - radius * (reach + CLEARANCE), near)
         };
-        let mut before = -base.radius - first.radius;
+        let mut before = -base.radius - within.radius;
         for (i, pair) in stations.windows(2).enumerate() {
             let [from, to] = [&pair[0], &pair[1]];
-            if from.along - first.along > longest {
+            let longest = within.along + LONGEST * (start.radius + within.radius);
+            if from.along > longest {
                 return None;
             }
-            let after = outside(to.position, to.tangent, to.radius);
+            let (after, near) = outside(to.position, to.tangent, to.radius);
             if after < 0.0 {
                 before = after;
+                if near.distance <= OFF_AXIS * near.radius {
+                    (within, start) = (*to, near);
+                }
                 continue;
             }
             let way = to.position - from.position;
@@ -115,7 +121,7 @@ impl Collar {
             // A bearer that bends, tapers or flares is left sooner or later than a straight one.
             for _ in 0..6 {
                 let radius = from.radius + (to.radius - from.radius) * part;
-                let far = outside(from.position + way * part, to.tangent, radius);
+                let far = outside(from.position + way * part, to.tangent, radius).0;
                 if far.abs() <= NEAR * radius {
                     break;
                 }
@@ -125,25 +131,32 @@ impl Collar {
             let too_near = (1.0 - part) * way.length() < SHORTEST * to.radius;
             let end = if too_near { *to } else { from.lerp(to, part) };
             let next = axis.stations.start + i + 1 + usize::from(too_near);
-            let sound = base.radius > 0.0 && end.radius > 0.0 && end.along - first.along <= longest;
-            return sound.then(|| Self { start: start(base, axis, &end), end, next });
+            let sound = start.radius > 0.0 && end.radius > 0.0 && end.along <= longest;
+            return sound.then(|| Self {
+                start: straight(&within, &start, &end),
+                bearing: start.place.ring,
+                end,
+                next,
+            });
         }
         None
     }
 }
 
-/// Where the straight tube to `end` begins, so near to the bearer's axis and so thin that it is within the bearer.
-fn start(base: &Near, axis: &Axis, end: &Station) -> Station {
-    let most = OFF_AXIS * base.radius;
-    let off = if base.distance > most { base.way * (1.0 - most / base.distance) } else { Vec3::ZERO };
-    let position = axis.base.position - off;
+/// The start of the straight tube from about `within` to `end`, so near to the bearer's axis and so thin that it is
+/// within the bearer.
+fn straight(within: &Station, near: &Near, end: &Station) -> Station {
+    let most = OFF_AXIS * near.radius;
+    let off = if near.distance > most { near.way * (1.0 - most / near.distance) } else { Vec3::ZERO };
+    let position = within.position - off;
     let tangent = (end.position - position).normalize_or(end.tangent);
     Station {
         position,
-        radius: CORE * end.radius.min(THICKEST * base.radius - base.distance.min(most)),
+        radius: CORE * end.radius.min(THICKEST * near.radius - near.distance.min(most)),
         tangent,
-        along: axis.base.along,
+        along: within.along,
         normal: parallel_transport(end.tangent, tangent, end.normal),
+        taper: 0.0,
     }
 }
 
@@ -176,7 +189,7 @@ pub(super) fn curves(axes: &Axes, circles: &Circles, axis: &Axis, curves: &mut V
         let nears = exits.map(|(_, near)| near);
         let ways = Lanes::of(nears.map(|near| near.way));
         let radial = ways.normalize_or(Lanes::default);
-        let [tangents, normals] = bearing.frames(&nears);
+        let ([tangents, normals], tapers) = bearing.frames(&nears);
         let turned = [ways.dot(tangents.cross(normals)), ways.dot(normals)];
         let outward = points - Lanes::splat(center);
         let outward = (outward - radial * outward.dot(radial)).normalize_or(Lanes::default) * each(flare);
@@ -184,23 +197,18 @@ pub(super) fn curves(axes: &Axes, circles: &Circles, axis: &Axis, curves: &mut V
         let around = outward.dot(tangents.cross(radial));
         let outer = (points + outward).to_array();
         let (mut feet, mut foot_normals) = ([Vec3::ZERO; LANES], [Vec3::ZERO; LANES]);
-        let mut depths = [0.0; LANES];
         for (lane, near) in nears.iter().enumerate() {
             let place = bearing.wood.place(outer[lane], near.place.ring);
             let round = if near.radius > 0.0 { around[lane] / near.radius } else { 0.0 };
-            depths[lane] = sunk.min(bearing.deepest(place));
+            let depth = sunk.min(bearing.deepest(place));
             (feet[lane], foot_normals[lane]) =
-                bearing.surface(place, (atan2(turned[0][lane], turned[1][lane]) + round) / TAU);
+                bearing.surface(place, (atan2(turned[0][lane], turned[1][lane]) + round) / TAU, depth);
         }
         let (feet, foot_normals) = (Lanes::of(feet), Lanes::of(foot_normals).normalize_or(|| radial));
         let rim = end_normal * cos + end_binormal * sin;
         curves.push(Curves {
-            points: [
-                feet - foot_normals * Vec4::from_array(depths),
-                points,
-                Lanes::splat(end.position) + rim * each(end.radius),
-            ],
-            normals: [foot_normals, radial],
+            points: [feet, points, Lanes::splat(end.position) + rim * each(end.radius)],
+            normals: [foot_normals, radial - tangents * tapers],
         });
     }
 }
@@ -223,8 +231,8 @@ impl<'a> Bearing<'a> {
         self.wood.exit((start, way.direction), guess, way.length, way.tolerance, self.base.place.ring)
     }
 
-    fn surface(&self, place: Place, turns: f32) -> (Vec3, Vec3) {
-        self.wood.surface(self.circle, place, turns)
+    fn surface(&self, place: Place, turns: f32, depth: f32) -> (Vec3, Vec3) {
+        self.wood.surface(self.circle, place, turns, depth)
     }
 
     /// How deep a collar can be sunk at a place. Between rings that are oblique to each other the bearer is thin.
@@ -233,14 +241,17 @@ impl<'a> Bearing<'a> {
         DEEPEST * self.wood.radius(place) * below.tangent.dot(above.tangent).max(0.0)
     }
 
-    /// The directions of the axis at some places, and those in which rings begin there.
-    fn frames(&self, nears: &[Near; LANES]) -> [Lanes; 2] {
-        let frames = nears.map(|near| {
+    /// The directions of the axis at some places, those in which rings begin there, and how it tapers.
+    fn frames(&self, nears: &[Near; LANES]) -> ([Lanes; 2], Vec4) {
+        let (mut frames, mut tapers) = ([[Vec3::ZERO; LANES]; 2], [0.0; LANES]);
+        for (lane, near) in nears.iter().enumerate() {
             let (below, above) = self.wood.around(near.place);
             let part = near.place.part;
-            [below.tangent.lerp(above.tangent, part), below.normal.lerp(above.normal, part)]
-        });
-        [0, 1].map(|which| Lanes::of(frames.map(|frame| frame[which])))
+            frames[0][lane] = below.tangent.lerp(above.tangent, part);
+            frames[1][lane] = below.normal.lerp(above.normal, part);
+            tapers[lane] = below.taper + (above.taper - below.taper) * part;
+        }
+        (frames.map(Lanes::of), Vec4::from_array(tapers))
     }
 }
 

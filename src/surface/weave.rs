@@ -11,8 +11,6 @@ use crate::math::perpendicular;
 use glam::{Vec2, Vec3, Vec4};
 use std::f32::consts::{FRAC_1_SQRT_2, TAU};
 
-/// Steepest taper that tilts a normal: a cone this flat is a disc.
-const STEEPEST_TAPER: f32 = 1e3;
 /// The last component of every tangent: the texture's v runs along the branch, glTF's bitangent against v.
 const HANDEDNESS: f32 = -1.0;
 /// By so much do the phases of successive branches differ, so that any number of them is spread evenly.
@@ -194,19 +192,6 @@ impl Weaver<'_> {
         self.blow(radius);
     }
 
-    /// How fast the radius grows along the branch, metres a metre.
-    fn taper(&self, i: usize) -> f32 {
-        let (from, to) = (i.saturating_sub(1), (i + 1).min(self.line.len() - 1));
-        let length: f32 =
-            self.line[from..=to].windows(2).map(|pair| pair[0].position.distance(pair[1].position)).sum();
-        if length > 0.0 {
-            let taper = (self.line[to].radius - self.line[from].radius) / length;
-            taper.clamp(-STEEPEST_TAPER, STEEPEST_TAPER)
-        } else {
-            0.0
-        }
-    }
-
     fn level(&mut self, i: usize) -> Ring {
         let station = self.line[i];
         if station.radius == 0.0 {
@@ -214,7 +199,7 @@ impl Weaver<'_> {
             return self.point(station.position, outward, station.normal, station.along);
         }
         // The normal of a cone leans against its taper; the same for the whole ring.
-        let taper = self.taper(i);
+        let taper = station.taper;
         let lean = 1.0 / (1.0 + taper * taper).sqrt();
         self.ring(&station, lean, -taper * lean)
     }

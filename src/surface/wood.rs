@@ -148,10 +148,10 @@ impl<'a> Wood<'a> {
         (at, near)
     }
 
-    /// The point of the tube's triangles at a place and an angle from where its rings begin, in turns, and the normal
-    /// there, of no particular length. `circle` has the corners of the rings.
+    /// The point `depth` below the tube's triangles at a place and an angle from where its rings begin, in turns, and
+    /// the normal there, of no particular length. `circle` has the corners of the rings.
     #[inline]
-    pub(super) fn surface(&self, circle: &[[f32; 2]], place: Place, turns: f32) -> (Vec3, Vec3) {
+    pub(super) fn surface(&self, circle: &[[f32; 2]], place: Place, turns: f32, depth: f32) -> (Vec3, Vec3) {
         let sides = circle.len() - 1;
         let at = (turns - turns.floor()) * sides as f32;
         let corner = (at as usize).min(sides - 1);
@@ -172,6 +172,9 @@ impl<'a> Wood<'a> {
         } else {
             above.position + upper * above.radius - (to - from) * (1.0 - place.part)
         };
-        (point, lower.lerp(upper, place.part))
+        let inward = lower.lerp(upper, place.part) * depth;
+        // The normals of a cone lean against its taper.
+        let (lower, upper) = (lower - below.tangent * below.taper, upper - above.tangent * above.taper);
+        (point - inward, lower.lerp(upper, place.part))
     }
 }
