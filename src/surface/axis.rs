@@ -2,6 +2,7 @@
 
 use super::simplify::simplify;
 use super::tube::Dropped;
+use super::wood::Wood;
 use super::{SurfaceError, Tubes};
 use crate::Skeleton;
 use crate::math::{UP, parallel_transport, perpendicular};
@@ -35,9 +36,14 @@ pub(super) struct Station {
     pub(super) along: f32,
     /// Where the ring begins: a unit vector perpendicular to the tangent, carried along without twist.
     pub(super) normal: Vec3,
+    /// How fast the radius grows along the branch, metres a metre; zero until the axis is attached to what bears it.
+    pub(super) taper: f32,
 }
 
 impl Station {
+    const NONE: Self =
+        Self { position: Vec3::ZERO, radius: 0.0, tangent: Vec3::Y, along: 0.0, normal: Vec3::X, taper: 0.0 };
+
     /// The station at the part `t` of the straight way to `next`.
     pub(super) fn lerp(&self, next: &Self, t: f32) -> Self {
         let tangent = self.tangent.lerp(next.tangent, t).normalize_or(self.tangent);
@@ -47,6 +53,7 @@ impl Station {
             tangent,
             along: self.along + (next.along - self.along) * t,
             normal: parallel_transport(self.tangent, tangent, self.normal),
+            taper: 0.0,
         }
     }
 }
@@ -54,13 +61,22 @@ impl Station {
 /// A branch, or the part of one between two sharp turns: at least two stations, not all of radius zero.
 #[derive(Debug)]
 pub(super) struct Axis {
+    /// The stations of its rings.
     pub(super) stations: Range<usize>,
+    /// Whether the station before these is the start of a collar that leads to the first of them.
+    pub(super) has_collar: bool,
+    /// The first station of its wood: that of its first ring, or the start of its collar.
+    pub(super) wood: usize,
+    /// Where it springs: its first station before it was attached to what bears it.
+    pub(super) base: Station,
     pub(super) sides: u32,
     /// The number of the branch in [`Skeleton::branches`].
     pub(super) branch: usize,
     pub(super) order: u16,
     /// The node where this springs from another branch; `None` for the trunk, and after a sharp turn.
     pub(super) bearer: Option<u32>,
+    /// The numbers of the axis that it is attached to and of a station there; `None` before it is attached.
+    pub(super) bearing: Option<(usize, usize)>,
 }
 
 /// The axes of a skeleton, each bearing one before what it bears.
@@ -80,7 +96,7 @@ impl Axes {
         let dropped = options.dropped(skeleton, &branches);
         let lengths = lengths(skeleton);
         let mut axes = Self { places: vec![None; skeleton.len()], ..Self::default() };
-        axes.stations.reserve(skeleton.len() + branches.len());
+        axes.stations.reserve(skeleton.len() + 2 * branches.len());
         let mut sampler = Sampler { options, dropped: &dropped, knots: Vec::new(), marks: Vec::new() };
         for (number, branch) in branches.iter().enumerate() {
             let nodes = branch.nodes();
@@ -94,6 +110,10 @@ impl Axes {
             let (mut start, mut along) = (0, lengths[nodes[0] as usize]);
             while start + 1 < sampler.knots.len() {
                 let end = sampler.end_of_run(start);
+                let bearer = (number != 0 && start == 0).then_some(nodes[0]);
+                // Room for the start of a collar.
+                let room = usize::from(bearer.is_some());
+                axes.stations.extend((0..room).map(|_| Station::NONE));
                 let first = axes.stations.len();
                 let seam = if start == 0 { seam(skeleton, nodes[0] as usize) } else { Vec3::ZERO };
                 if sampler.sample(start..end, number == 0 && start == 0, seam, along, &mut axes.stations) {
@@ -103,9 +123,19 @@ impl Axes {
                         axes.places[knot.node as usize].get_or_insert((axis, mark));
                     }
                     along = axes.stations.last().map_or(along, |last| last.along);
-                    let bearer = (number != 0 && start == 0).then_some(nodes[0]);
-                    let stations = first..axes.stations.len();
-                    axes.all.push(Axis { stations, sides, branch: number, order: branch.order(), bearer });
+                    axes.all.push(Axis {
+                        stations: first..axes.stations.len(),
+                        has_collar: false,
+                        wood: first,
+                        base: axes.stations[first],
+                        sides,
+                        branch: number,
+                        order: branch.order(),
+                        bearer,
+                        bearing: None,
+                    });
+                } else {
+                    axes.stations.truncate(first - room);
                 }
                 start = end - 1;
             }
@@ -121,6 +151,12 @@ impl Axes {
     /// The numbers of a node's axis and station; `None` if it is on none.
     pub(super) fn place(&self, node: u32) -> Option<(usize, usize)> {
         self.places[node as usize].map(|(axis, station)| (axis as usize, station as usize))
+    }
+
+    /// The wood of an axis.
+    pub(super) fn wood(&self, axis: usize) -> Wood<'_> {
+        let axis = &self.all[axis];
+        Wood { stations: &self.stations[axis.wood..axis.stations.end] }
     }
 }
 
@@ -218,6 +254,7 @@ impl Sampler<'_> {
             tangent,
             along,
             normal: across(seam, tangent),
+            taper: 0.0,
         };
         let first = stations.len();
         stations.push(station);
@@ -250,6 +287,7 @@ impl Sampler<'_> {
                     tangent: direction,
                     along: length,
                     normal: parallel_transport(station.tangent, direction, station.normal),
+                    taper: 0.0,
                 };
                 stations.push(station);
             }

@@ -3,6 +3,7 @@
 use super::axis::{Axes, Axis, Station};
 use super::circle::Circles;
 use super::lanes::{LANES, Lanes};
+use super::wood::{Near, Place, Wood};
 use crate::math::{atan2, parallel_transport};
 use glam::{Vec3, Vec4};
 use std::f32::consts::TAU;
@@ -15,26 +16,39 @@ const FLARE_SIDES: f32 = 8.0;
 const CLEARANCE: f32 = 0.8;
 /// How deep the foot of a collar is sunk into the bearing branch, in radii of the branch.
 const SUNK: f32 = 0.03;
+/// The same at most, in radii of the bearing branch: where that bends, it is thinner than its rings are wide.
+const DEEPEST: f32 = 0.25;
 /// The longest collar, in radii of both branches together: what runs on beside its bearing branch has none.
-const LONGEST: f32 = 8.0;
+pub(super) const LONGEST: f32 = 8.0;
 /// The thickest foot, in radii of the bearing branch.
 const THICKEST: f32 = 0.9;
+/// The radius at the start of the wood within a collar, in radii of the straight tube there. Between its few rings, and
+/// where its ends are sunk, a collar is a little thinner than that tube.
+const CORE: f32 = 0.5;
+/// The farthest that a branch springs from its bearer's axis, in radii of the bearer.
+const OFF_AXIS: f32 = 0.5;
+/// How near to its bearer's surface the way out is looked for, in radii of the branch.
+const TOLERANCE: f32 = 0.1;
+/// How near to that clearance a collar ends, in radii of the branch.
+const NEAR: f32 = 0.25;
 /// The shortest way from a collar to the next ring, in radii of the branch.
 const SHORTEST: f32 = 0.25;
 
 /// The blend between a branch and its bearer: a round fillet from the bearer's surface to the first level ring.
 ///
 /// Each vertex of that ring is joined to the bearer by a quadratic Bézier curve. Its inner control point is where
-/// the branch, as a straight tube, meets the bearer's triangles; its foot lies farther out on these triangles. So the
+/// the branch, as a straight tube, comes out of the bearer; its end lies farther out on the bearer's triangles. So the
 /// curve leaves the bearer along the bearer and arrives along the branch.
 #[derive(Debug)]
 pub(super) struct Collar {
+    /// Where the straight tube within the bearer begins, which the first level ring ends.
+    pub(super) start: Station,
+    /// The bearer's ring below that start.
+    pub(super) bearing: usize,
     /// The first level ring.
     pub(super) end: Station,
     /// The number of the station after that ring.
     pub(super) next: usize,
-    /// The numbers of the bearing axis and of its station where the branch springs.
-    bearing: (usize, usize),
 }
 
 /// The curves of four neighbouring vertices.
@@ -70,175 +84,222 @@ impl Curves {
 }
 
 impl Collar {
-    /// The collar of `axis`; `None` for the trunk, and for what does not come out of its bearer in time.
-    pub(super) fn of(axes: &Axes, axis: &Axis) -> Option<Self> {
-        // Where the bearer has no surface, the branch itself is what is found there.
-        let bearing = axes.place(axis.bearer?).filter(|(_, place)| !axis.stations.contains(place))?;
-        let here = axes.stations[bearing.1];
+    /// The collar of `axis`, which springs at `base` out of the wood of `bearer`; `None` for what does not come out of
+    /// it in time.
+    pub(super) fn of(axes: &Axes, axis: &Axis, bearer: usize, base: &Near) -> Option<Self> {
+        let wood = axes.wood(bearer);
         let stations = &axes.stations[axis.stations.clone()];
-        let longest = LONGEST * (here.radius + stations[0].radius);
+        // The last ring that is well within the bearer, from which the way out is straight.
+        let (mut within, mut start) = (axis.base, *base);
+        let mut ring = base.place.ring;
         // How far a ring is outside of the bearer, less the clearance.
-        let outside = |station: &Station| {
-            let way = station.position - here.position;
-            let lateral = way - here.tangent * way.dot(here.tangent);
-            let distance = lateral.length();
-            let sideways = station.tangent.dot(lateral.normalize_or_zero());
+        let mut outside = |position: Vec3, tangent: Vec3, radius: f32| {
+            let near = wood.near(position, ring);
+            ring = near.place.ring;
+            let sideways = if near.distance > 0.0 { tangent.dot(near.way) / near.distance } else { 0.0 };
             let reach = (1.0 - sideways * sideways).max(0.0).sqrt();
-            distance - here.radius - station.radius * (reach + CLEARANCE)
+            (near.outside() - radius * (reach + CLEARANCE), near)
         };
-        let mut before = -here.radius - stations[0].radius;
+        let mut before = -base.radius - within.radius;
         for (i, pair) in stations.windows(2).enumerate() {
-            if pair[0].along - stations[0].along > longest {
+            let [from, to] = [&pair[0], &pair[1]];
+            let longest = within.along + LONGEST * (start.radius + within.radius);
+            if from.along > longest {
                 return None;
             }
-            let after = outside(&pair[1]);
-            if after >= 0.0 {
-                let t = (before / (before - after)).clamp(0.0, 1.0);
-                let rest = (1.0 - t) * pair[0].position.distance(pair[1].position);
-                let too_near = rest < SHORTEST * pair[1].radius;
-                let end = if too_near { pair[1] } else { pair[0].lerp(&pair[1], t) };
-                let next = axis.stations.start + i + 1 + usize::from(too_near);
-                let short = end.along - stations[0].along <= longest;
-                return (here.radius > 0.0 && end.radius > 0.0 && short).then_some(Self {
-                    end,
-                    next,
-                    bearing,
-                });
+            let (after, near) = outside(to.position, to.tangent, to.radius);
+            if after < 0.0 {
+                before = after;
+                if near.distance <= OFF_AXIS * near.radius {
+                    (within, start) = (*to, near);
+                }
+                continue;
             }
-            before = after;
+            let way = to.position - from.position;
+            let (mut low, mut high) = ((0.0, before), (1.0, after));
+            let mut part = (before / (before - after)).clamp(0.0, 1.0);
+            // A bearer that bends, tapers or flares is left sooner or later than a straight one.
+            for _ in 0..6 {
+                let radius = from.radius + (to.radius - from.radius) * part;
+                let far = outside(from.position + way * part, to.tangent, radius).0;
+                if far.abs() <= NEAR * radius {
+                    break;
+                }
+                *(if far < 0.0 { &mut low } else { &mut high }) = (part, far);
+                part = low.0 + (high.0 - low.0) * (low.1 / (low.1 - high.1)).clamp(0.1, 0.9);
+            }
+            let too_near = (1.0 - part) * way.length() < SHORTEST * to.radius;
+            let end = if too_near { *to } else { from.lerp(to, part) };
+            let next = axis.stations.start + i + 1 + usize::from(too_near);
+            let sound = start.radius > 0.0 && end.radius > 0.0 && end.along <= longest;
+            return sound.then(|| Self {
+                start: straight(&within, &start, &end),
+                bearing: start.place.ring,
+                end,
+                next,
+            });
         }
         None
     }
+}
 
-    /// The curve of each vertex of a ring, the last group of four filled up with the first vertex.
-    pub(super) fn curves(&self, axes: &Axes, circles: &Circles, sides: u32, curves: &mut Vec<Curves>) {
-        let end = &self.end;
-        let bearer = Bearer::new(axes, circles, self.bearing);
-        let here = &bearer.stations[bearer.place];
-        let direction = (end.position - here.position).normalize_or(end.tangent);
-        let normal = parallel_transport(end.tangent, direction, end.normal);
-        let binormal = direction.cross(normal);
-        let end_binormal = end.tangent.cross(end.normal);
-        let slope = direction - here.tangent * direction.dot(here.tangent);
-        let a = slope.length_squared();
-        let thickness = end.radius.min(THICKEST * here.radius);
-        let flare = FLARE * thickness * ((sides as f32 - 3.0) / (FLARE_SIDES - 3.0)).clamp(0.2, 1.0);
-        // The edges of the foot cut through the bearer's round.
-        let edge = TAU / sides as f32 * (thickness + flare);
-        let sunk = SUNK * thickness + (edge * edge / (8.0 * here.radius)).min(0.5 * thickness);
-
-        let each = Vec4::splat;
-        let [direction, slope, normal, binormal] = [direction, slope, normal, binormal].map(Lanes::splat);
-        let [tangent, here_normal, here_binormal] =
-            [here.tangent, here.normal, bearer.binormal].map(Lanes::splat);
-        let level = |v: Lanes| v - tangent * v.dot(tangent);
-        // Where the lines from points inside of the bearer come out.
-        let exit = |points: Lanes| {
-            let flat = level(points);
-            let b = flat.dot(slope);
-            let c = flat.dot(flat) - each(here.radius * here.radius);
-            points + direction * ((-b + (b * b - each(a) * c).max(Vec4::ZERO).sqrt()) / each(a))
-        };
-        let center = exit(Lanes::default());
-        curves.clear();
-        for &[cos, sin] in &circles.of(sides).fours {
-            let points = exit((normal * cos + binormal * sin) * each(thickness));
-            let radial = level(points);
-            let radial = Lanes {
-                x: radial.x / each(here.radius),
-                y: radial.y / each(here.radius),
-                z: radial.z / each(here.radius),
-            };
-            let outward = points - center;
-            let outward = (outward - radial * outward.dot(radial)).normalize_or(Lanes::default) * each(flare);
-            let heights = points.dot(tangent);
-            let (y, x) = (points.dot(here_binormal), points.dot(here_normal));
-            let turns = Vec4::from_array(std::array::from_fn(|lane| atan2(y[lane], x[lane])));
-            let (inner, inner_normals) = bearer.surface(heights, turns);
-            // Along the bearer's round, not off along its tangent.
-            let turns = turns + outward.dot(tangent.cross(radial)) / each(here.radius);
-            let (feet, foot_normals) = bearer.surface(heights + outward.dot(tangent), turns);
-            let rim = Lanes::splat(end.normal) * cos + Lanes::splat(end_binormal) * sin;
-            curves.push(Curves {
-                points: [
-                    feet - foot_normals * each(sunk),
-                    inner,
-                    Lanes::splat(end.position) + rim * each(end.radius),
-                ],
-                normals: [foot_normals, inner_normals],
-            });
-        }
+/// The start of the straight tube from about `within` to `end`, so near to the bearer's axis and so thin that it is
+/// within the bearer.
+fn straight(within: &Station, near: &Near, end: &Station) -> Station {
+    let most = OFF_AXIS * near.radius;
+    let off = if near.distance > most { near.way * (1.0 - most / near.distance) } else { Vec3::ZERO };
+    let position = within.position - off;
+    let tangent = (end.position - position).normalize_or(end.tangent);
+    Station {
+        position,
+        radius: CORE * end.radius.min(THICKEST * near.radius - near.distance.min(most)),
+        tangent,
+        along: within.along,
+        normal: parallel_transport(end.tangent, tangent, end.normal),
+        taper: 0.0,
     }
 }
 
-/// The triangles of the bearing branch around the node where a branch springs.
-struct Bearer<'a> {
-    stations: &'a [Station],
-    /// The station at the node.
-    place: usize,
-    /// Of that station.
-    binormal: Vec3,
-    /// How far the stations below and above it are, metres.
-    next: [f32; 2],
+/// The curve of each vertex of the first level ring of an axis with a collar, the last group of four filled up with
+/// the first vertex.
+pub(super) fn curves(axes: &Axes, circles: &Circles, axis: &Axis, curves: &mut Vec<Curves>) {
+    curves.clear();
+    let Some((bearer, hint)) = axis.bearing.filter(|_| axis.has_collar) else { return };
+    let [start, end] = [axes.stations[axis.stations.start - 1], axes.stations[axis.stations.start]];
+    let bearing = Bearing::new(axes, circles, (bearer, hint), start.position);
+    let thickness = start.radius / CORE;
+    let flare = FLARE * thickness * ((axis.sides as f32 - 3.0) / (FLARE_SIDES - 3.0)).clamp(0.2, 1.0);
+    // The edges of the foot cut through the bearer's round.
+    let edge = TAU / axis.sides as f32 * (thickness + flare);
+    let sunk = SUNK * thickness + (edge * edge / (8.0 * bearing.base.radius)).min(0.5 * thickness);
+
+    let each = Vec4::splat;
+    let mut way = Way::new(&bearing, &start, end.position, thickness);
+    let (middle, near) = bearing.exit(&way, start.position, way.guesses(Lanes::default()).x);
+    let center = start.position + start.tangent * middle;
+    way.straighten(&bearing, &near, center - start.position);
+    let [normal, binormal] = [start.normal, start.tangent.cross(start.normal)].map(Lanes::splat);
+    let [end_normal, end_binormal] = [end.normal, end.tangent.cross(end.normal)].map(Lanes::splat);
+    for &[cos, sin] in &circles.of(axis.sides).fours {
+        let offsets = (normal * cos + binormal * sin) * each(thickness);
+        let guesses = way.guesses(offsets).to_array();
+        let starts = (Lanes::splat(start.position) + offsets).to_array();
+        let exits: [_; LANES] = std::array::from_fn(|lane| bearing.exit(&way, starts[lane], guesses[lane]));
+        let points = Lanes::of(std::array::from_fn(|lane| starts[lane] + start.tangent * exits[lane].0));
+        let nears = exits.map(|(_, near)| near);
+        let ways = Lanes::of(nears.map(|near| near.way));
+        let radial = ways.normalize_or(Lanes::default);
+        let ([tangents, normals], tapers) = bearing.frames(&nears);
+        let turned = [ways.dot(tangents.cross(normals)), ways.dot(normals)];
+        let outward = points - Lanes::splat(center);
+        let outward = (outward - radial * outward.dot(radial)).normalize_or(Lanes::default) * each(flare);
+        // Along the bearer's round, not off along its tangent.
+        let around = outward.dot(tangents.cross(radial));
+        let outer = (points + outward).to_array();
+        let (mut feet, mut foot_normals) = ([Vec3::ZERO; LANES], [Vec3::ZERO; LANES]);
+        for (lane, near) in nears.iter().enumerate() {
+            let place = bearing.wood.place(outer[lane], near.place.ring);
+            let round = if near.radius > 0.0 { around[lane] / near.radius } else { 0.0 };
+            let depth = sunk.min(bearing.deepest(place));
+            (feet[lane], foot_normals[lane]) =
+                bearing.surface(place, (atan2(turned[0][lane], turned[1][lane]) + round) / TAU, depth);
+        }
+        let (feet, foot_normals) = (Lanes::of(feet), Lanes::of(foot_normals).normalize_or(|| radial));
+        let rim = end_normal * cos + end_binormal * sin;
+        curves.push(Curves {
+            points: [feet, points, Lanes::splat(end.position) + rim * each(end.radius)],
+            normals: [foot_normals, radial - tangents * tapers],
+        });
+    }
+}
+
+/// The wood around the place where a branch springs, and the corners of its rings.
+struct Bearing<'a> {
+    wood: Wood<'a>,
+    /// Where the branch begins.
+    base: Near,
     circle: &'a [[f32; 2]],
 }
 
-impl<'a> Bearer<'a> {
-    fn new(axes: &'a Axes, circles: &'a Circles, (axis, place): (usize, usize)) -> Self {
-        let axis = &axes.all[axis];
-        let range = axis.stations.clone();
-        let here = axes.stations[place];
-        let place = place - range.start;
-        let stations = &axes.stations[range];
-        let distance = |to: usize| stations.get(to).map_or(0.0, |next| next.position.distance(here.position));
-        Self {
-            place,
-            stations,
-            next: [distance(place.wrapping_sub(1)), distance(place + 1)],
-            binormal: here.tangent.cross(here.normal),
-            circle: &circles.of(axis.sides).corners,
-        }
+impl<'a> Bearing<'a> {
+    fn new(axes: &'a Axes, circles: &'a Circles, (axis, station): (usize, usize), base: Vec3) -> Self {
+        let wood = axes.wood(axis);
+        Self { wood, base: wood.near(base, station), circle: &circles.of(axes.all[axis].sides).corners }
     }
 
-    /// The stations below and above a height above the node, metres, and the part of the way between them.
-    #[inline]
-    fn around(&self, height: f32) -> (&'a Station, &'a Station, f32) {
-        let (mut from, mut rest) = (self.place, height.abs());
-        let mut length = self.next[usize::from(height >= 0.0)];
-        loop {
-            let here = &self.stations[from];
-            let to = if height < 0.0 { from.wrapping_sub(1) } else { from + 1 };
-            let Some(next) = self.stations.get(to) else { return (here, here, 0.0) };
-            if from != self.place {
-                length = here.position.distance(next.position);
-            }
-            if rest < length {
-                return (here, next, rest / length);
-            }
-            (from, rest) = (to, rest - length);
-        }
+    fn exit(&self, way: &Way, start: Vec3, guess: f32) -> (f32, Near) {
+        self.wood.exit((start, way.direction), guess, way.length, way.tolerance, self.base.place.ring)
     }
 
-    /// The points of the bearer's triangles at heights above the node, metres, and angles from the beginning of its
-    /// ring, radians; and the normals there.
-    fn surface(&self, heights: Vec4, turns: Vec4) -> (Lanes, Lanes) {
-        let sides = self.circle.len() - 1;
-        let turns = turns / Vec4::splat(TAU);
-        let places = (turns - turns.floor()) * Vec4::splat(sides as f32);
-        let (mut points, mut normals, mut fallbacks) =
-            ([Vec3::ZERO; LANES], [Vec3::ZERO; LANES], [Vec3::ZERO; LANES]);
-        for lane in 0..LANES {
-            let (from, to, t) = self.around(heights[lane]);
-            let corner = (places[lane] as usize).min(sides - 1);
-            let [[from_cos, from_sin], [to_cos, to_sin]] = [self.circle[corner], self.circle[corner + 1]];
-            let share = places[lane] - corner as f32;
-            let (cos, sin) = (from_cos + (to_cos - from_cos) * share, from_sin + (to_sin - from_sin) * share);
-            let side = |station: &Station| station.normal * cos + station.tangent.cross(station.normal) * sin;
-            let (a, b) = (side(from), side(to));
-            points[lane] = (from.position + a * from.radius).lerp(to.position + b * to.radius, t);
-            normals[lane] = a.lerp(b, t);
-            fallbacks[lane] = a;
+    fn surface(&self, place: Place, turns: f32, depth: f32) -> (Vec3, Vec3) {
+        self.wood.surface(self.circle, place, turns, depth)
+    }
+
+    /// How deep a collar can be sunk at a place. Between rings that are oblique to each other the bearer is thin.
+    fn deepest(&self, place: Place) -> f32 {
+        let (below, above) = self.wood.around(place);
+        DEEPEST * self.wood.radius(place) * below.tangent.dot(above.tangent).max(0.0)
+    }
+
+    /// The directions of the axis at some places, those in which rings begin there, and how it tapers.
+    fn frames(&self, nears: &[Near; LANES]) -> ([Lanes; 2], Vec4) {
+        let (mut frames, mut tapers) = ([[Vec3::ZERO; LANES]; 2], [0.0; LANES]);
+        for (lane, near) in nears.iter().enumerate() {
+            let (below, above) = self.wood.around(near.place);
+            let part = near.place.part;
+            frames[0][lane] = below.tangent.lerp(above.tangent, part);
+            frames[1][lane] = below.normal.lerp(above.normal, part);
+            tapers[lane] = below.taper + (above.taper - below.taper) * part;
         }
-        (Lanes::of(points), Lanes::of(normals).normalize_or(|| Lanes::of(fallbacks)))
+        (frames.map(Lanes::of), Vec4::from_array(tapers))
+    }
+}
+
+/// The way of the straight tube through the bearer.
+struct Way {
+    direction: Vec3,
+    /// To the first level ring, metres.
+    length: f32,
+    tolerance: f32,
+    /// The bearer as a straight cylinder: the direction of its axis, its radius, and the way from there.
+    tangent: Vec3,
+    radius: f32,
+    from: Vec3,
+}
+
+impl Way {
+    fn new(bearing: &Bearing<'_>, start: &Station, end: Vec3, thickness: f32) -> Self {
+        let mut way = Self {
+            direction: start.tangent,
+            length: start.position.distance(end),
+            tolerance: TOLERANCE * thickness,
+            tangent: Vec3::ZERO,
+            radius: 0.0,
+            from: Vec3::ZERO,
+        };
+        way.straighten(bearing, &bearing.base, Vec3::ZERO);
+        way
+    }
+
+    /// Takes the bearer for what it is near a point, which lies so far from the start.
+    fn straighten(&mut self, bearing: &Bearing<'_>, near: &Near, offset: Vec3) {
+        let (below, above) = bearing.wood.around(near.place);
+        self.tangent = below.tangent.lerp(above.tangent, near.place.part).normalize_or(below.tangent);
+        self.radius = near.radius;
+        self.from = near.way - offset;
+    }
+
+    /// How far from these offsets the way comes out of a straight bearer.
+    fn guesses(&self, offsets: Lanes) -> Vec4 {
+        let level = |v: Vec3| v - self.tangent * v.dot(self.tangent);
+        let slope = level(self.direction);
+        // Along the bearer it never comes out.
+        let a = Vec4::splat(slope.length_squared().max(f32::MIN_POSITIVE));
+        let flat = offsets + Lanes::splat(self.from);
+        let tangent = Lanes::splat(self.tangent);
+        let flat = flat - tangent * flat.dot(tangent);
+        let b = flat.dot(Lanes::splat(slope));
+        let c = flat.dot(flat) - Vec4::splat(self.radius * self.radius);
+        ((-b + (b * b - a * c).max(Vec4::ZERO).sqrt()) / a).clamp(Vec4::ZERO, Vec4::splat(self.length))
     }
 }

@@ -13,6 +13,9 @@
 //! [`Wind`] weights where they are wanted. A [`Part`] is a mesh with its [`Material`], once or at many places
 //! ([`Instance`]): what is written and drawn.
 
+mod attach;
+#[cfg(test)]
+mod attached;
 mod axis;
 pub mod blob;
 mod capsule;
@@ -29,6 +32,7 @@ mod sample;
 mod simplify;
 mod tube;
 mod weave;
+mod wood;
 
 pub use capsule::{Capsule, Capsules};
 pub use implicit::{Implicit, Polygonizer};

@@ -1,8 +1,9 @@
 //! Rings of vertices, and the triangles between them.
 
+use super::attach::DOME_SIDES;
 use super::axis::{Axes, Axis, Station};
 use super::circle::{Circle, Circles};
-use super::collar::{Collar, Curves};
+use super::collar::{self, Curves};
 use super::lanes::{LANES, Lanes};
 use super::mesh::has_area;
 use super::{Mesh, Tubes, Wind};
@@ -10,12 +11,6 @@ use crate::math::perpendicular;
 use glam::{Vec2, Vec3, Vec4};
 use std::f32::consts::{FRAC_1_SQRT_2, TAU};
 
-/// Steepest taper that tilts a normal: a cone this flat is a disc.
-const STEEPEST_TAPER: f32 = 1e3;
-/// Tips of at least so many sides are domes; others are cones.
-const DOME_SIDES: u32 = 7;
-/// The part of its radius with which a branch without a collar begins, so that its rim stays within its bearer.
-const HIDDEN: f32 = 0.6;
 /// The last component of every tangent: the texture's v runs along the branch, glTF's bitangent against v.
 const HANDEDNESS: f32 = -1.0;
 /// By so much do the phases of successive branches differ, so that any number of them is spread evenly.
@@ -24,24 +19,20 @@ const GOLDEN_RATIO: f64 = 0.618_033_988_749_895;
 /// All that is known before the first vertex.
 #[derive(Debug)]
 pub(super) struct Plan {
-    axes: Axes,
-    /// One an axis.
-    collars: Vec<Option<Collar>>,
+    pub(super) axes: Axes,
     /// At most so many vertices and triangles will be made.
     pub(super) vertices: usize,
     pub(super) triangles: usize,
 }
 
 impl Plan {
-    pub(super) fn new(axes: Axes, options: &Tubes) -> Self {
-        let collar = |axis| Collar::of(&axes, axis).filter(|collar| options.blends(collar.end.radius));
-        let collars: Vec<_> = axes.all.iter().map(collar).collect();
+    pub(super) fn new(mut axes: Axes, options: &Tubes) -> Self {
+        axes.attach(options);
         let (mut vertices, mut triangles) = (0, 0);
-        for (axis, collar) in axes.all.iter().zip(&collars) {
+        for axis in &axes.all {
             let sides = axis.sides as usize;
-            let blended = collar.as_ref().map_or(0, |_| blends(axis.sides) as usize + 1);
-            let rings =
-                blended + line(&axes, axis, collar.as_ref()).count() + usize::from(axis.sides >= DOME_SIDES);
+            let blended = if axis.has_collar { blends(axis.sides) as usize + 1 } else { 0 };
+            let rings = blended + axis.stations.len() + usize::from(axis.sides >= DOME_SIDES);
             vertices += rings * (sides + 1) + 1;
             triangles += (rings - 1) * 2 * sides + sides;
             if options.closed_base {
@@ -49,10 +40,15 @@ impl Plan {
                 triangles += sides;
             }
         }
-        Self { axes, collars, vertices, triangles }
+        Self { axes, vertices, triangles }
     }
 
     pub(super) fn weave(&self, options: &Tubes) -> Mesh {
+        self.weave_each(options, |_, _| {})
+    }
+
+    /// Calls `woven` after each axis with that axis and the mesh up to there.
+    pub(super) fn weave_each(&self, options: &Tubes, mut woven: impl FnMut(&Axis, &Mesh)) -> Mesh {
         let mut mesh = Mesh::default();
         // Rings are made in fours.
         let vertices = self.vertices + LANES;
@@ -72,27 +68,19 @@ impl Plan {
             circle: &none,
             tiles: 1.0,
             step: 1.0,
-            line: Vec::new(),
+            line: &[],
             curves: Vec::new(),
             round: Round::default(),
             wind: None,
-            foot: self.axes.stations.first().map_or(1.0, |foot| foot.radius),
+            foot: self.axes.all.first().map_or(1.0, |trunk| trunk.base.radius),
         };
-        for (axis, collar) in self.axes.all.iter().zip(&self.collars) {
-            weaver.line.clear();
-            weaver.line.extend(line(&self.axes, axis, collar.as_ref()));
-            if axis.bearer.is_some() && collar.is_none() && options.collars {
-                weaver.line[0].radius *= HIDDEN;
-            }
+        for axis in &self.axes.all {
+            weaver.line = &self.axes.stations[axis.stations.clone()];
             weaver.circle = circles.of(axis.sides);
-            let first = self.axes.stations[axis.stations.start];
+            let first = axis.base;
             weaver.tiles = (TAU * first.radius.max(weaver.line[0].radius) / options.tile).round().max(1.0);
             weaver.step = weaver.tiles / axis.sides as f32;
-            if let Some(collar) = collar {
-                collar.curves(&self.axes, &circles, axis.sides, &mut weaver.curves);
-            } else {
-                weaver.curves.clear();
-            }
+            collar::curves(&self.axes, &circles, axis, &mut weaver.curves);
             weaver.wind = options.wind.then_some(Wind {
                 pivot: first.position,
                 level: f32::from(axis.order),
@@ -100,15 +88,10 @@ impl Plan {
                 stiffness: 1.0,
             });
             weaver.weave();
+            woven(axis, &weaver.mesh);
         }
         weaver.mesh
     }
-}
-
-/// The level rings of an axis.
-fn line<'a>(axes: &'a Axes, axis: &Axis, collar: Option<&'a Collar>) -> impl Iterator<Item = Station> + 'a {
-    let next = collar.map_or(axis.stations.start, |collar| collar.next);
-    collar.map(|collar| collar.end).into_iter().chain(axes.stations[next..axis.stations.end].iter().copied())
 }
 
 /// Rings of a collar between its foot and its end.
@@ -166,7 +149,7 @@ struct Weaver<'a> {
     /// That over the sides.
     step: f32,
     /// The level rings of the present axis.
-    line: Vec<Station>,
+    line: &'a [Station],
     /// Its collar; none if there is none.
     curves: Vec<Curves>,
     /// The points of one ring of it.
@@ -209,19 +192,6 @@ impl Weaver<'_> {
         self.blow(radius);
     }
 
-    /// How fast the radius grows along the branch, metres a metre.
-    fn taper(&self, i: usize) -> f32 {
-        let (from, to) = (i.saturating_sub(1), (i + 1).min(self.line.len() - 1));
-        let length: f32 =
-            self.line[from..=to].windows(2).map(|pair| pair[0].position.distance(pair[1].position)).sum();
-        if length > 0.0 {
-            let taper = (self.line[to].radius - self.line[from].radius) / length;
-            taper.clamp(-STEEPEST_TAPER, STEEPEST_TAPER)
-        } else {
-            0.0
-        }
-    }
-
     fn level(&mut self, i: usize) -> Ring {
         let station = self.line[i];
         if station.radius == 0.0 {
@@ -229,7 +199,7 @@ impl Weaver<'_> {
             return self.point(station.position, outward, station.normal, station.along);
         }
         // The normal of a cone leans against its taper; the same for the whole ring.
-        let taper = self.taper(i);
+        let taper = station.taper;
         let lean = 1.0 / (1.0 + taper * taper).sqrt();
         self.ring(&station, lean, -taper * lean)
     }
