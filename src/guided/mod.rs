@@ -23,8 +23,9 @@ pub use endpoint::{
     Count, EndpointError, EndpointPolicy, HopSurface, InShape, NearestTo, NearestToEach, Side, StageView,
 };
 pub use graph::{
-    Edges, GradedYao, Graph, GraphBuilder, GraphError, Lattice, NearSurface, PointCloud, PoissonYao,
-    SizingField, SizingFn, Spacing,
+    Edges, GradedYao, Graph, GraphBuilder, GraphError, Lattice, NearSurface, PointCloud, PoissonDelaunay, PoissonSurface,
+    PoissonYao,
+    SizingField, SizingFn, Spacing, SurfaceNodes,
 };
 pub use refine::Refinement;
 pub use rule::{

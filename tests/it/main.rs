@@ -6,6 +6,8 @@ mod allocations;
 #[cfg(feature = "json")]
 mod bad_input;
 mod blob;
+#[cfg(feature = "testing")]
+mod climbing;
 mod exports;
 mod figures;
 mod foliage;
@@ -19,6 +21,8 @@ mod mint_vectors;
 mod oracles;
 mod organizing;
 mod outside;
+#[cfg(feature = "testing")]
+mod planar;
 #[cfg(feature = "testing")]
 mod refinement;
 mod sample;

@@ -2,9 +2,11 @@
 
 mod bvh;
 mod cloud;
+mod delaunay;
 mod graded;
 mod leaf;
 mod local;
+mod mesh;
 mod octree;
 mod poisson;
 mod scalars;
@@ -15,8 +17,10 @@ mod tiles;
 mod yao;
 
 pub use cloud::{Edges, Lattice, PointCloud};
+pub use delaunay::PoissonDelaunay;
 pub use graded::GradedYao;
 pub(super) use local::around_tree;
+pub use mesh::{PoissonSurface, SurfaceNodes};
 pub use poisson::PoissonYao;
 pub use sizing::{NearSurface, SizingField, SizingFn};
 pub use spacing::Spacing;
