@@ -78,9 +78,8 @@ pub(crate) struct Cracks {
 pub(crate) fn cracks(nodes: usize, seed: u64) -> Result<Cracks, Failure> {
     let builder = Cells { nodes, spacing: 0.11 };
     let graph = builder.flat(seed, &Silent)?;
-    let synth = TreeSynth::new(builder).stage(
-        Stage::new(Bend::none(), InShape::uniform(mud(), Count::Share(1.0))).with_weight(Tough),
-    );
+    let synth = TreeSynth::new(builder)
+        .stage(Stage::new(Bend::none(), InShape::uniform(mud(), Count::Share(1.0))).with_weight(Tough));
     let hub = synth.build_graph(seed, &Silent)?;
     let growth = synth.grow(&mut Search::new(&hub), seed, &Silent)?;
     // The branch of the root that each node belongs to; parents come first.
@@ -94,7 +93,9 @@ pub(crate) fn cracks(nodes: usize, seed: u64) -> Result<Cracks, Failure> {
     // Both triangles at an edge whose ends lie in two cells.
     let mut sides: Vec<([u32; 2], u32)> = (0..)
         .zip(&triangles)
-        .flat_map(|(number, &[a, b, c])| [(a, b), (b, c), (c, a)].map(|(a, b)| ([a.min(b), a.max(b)], number)))
+        .flat_map(|(number, &[a, b, c])| {
+            [(a, b), (b, c), (c, a)].map(|(a, b)| ([a.min(b), a.max(b)], number))
+        })
         .collect();
     sides.sort_unstable();
     let cracks = sides.chunk_by(|a, b| a.0 == b.0).filter_map(|same| match *same {
@@ -124,7 +125,11 @@ pub(crate) fn draw(nodes: usize, seed: u64, size: u32) -> Result<(Picture, Strin
     let spacing = (1.0 / found.graph.nodes() as f32).sqrt() * size as f32;
     for (&cell, &position) in found.cells.iter().zip(found.graph.positions()) {
         let tone = 0.88 + 0.2 * unit(seed, 1, Purpose::CUSTOM, u64::from(cell));
-        picture.disc(at(position), spacing * 0.9, [172.0, 148.0, 120.0].map(|channel| (channel * tone) as u8));
+        picture.disc(
+            at(position),
+            spacing * 0.9,
+            [172.0, 148.0, 120.0].map(|channel| (channel * tone) as u8),
+        );
     }
     for (width, color) in [(2.4, [196, 174, 146]), (1.5, [96, 76, 58]), (0.95, [44, 34, 27])] {
         for &(one, two) in &found.cracks {

@@ -4,9 +4,7 @@ use super::ruin::Ruin;
 use std::sync::Arc;
 use treesynth::foliage::{Foliage, Leaf, Leaves};
 use treesynth::glam::{Mat3, Quat, Vec3};
-use treesynth::guided::{
-    Count, Graph, HopSurface, InShape, PoissonSurface, Search, Stage, Step, TreeSynth,
-};
+use treesynth::guided::{Count, Graph, HopSurface, InShape, PoissonSurface, Search, Stage, Step, TreeSynth};
 use treesynth::math::Rotation;
 use treesynth::preview::{Camera, Picture, Preview};
 use treesynth::radius::{PipeModel, RadiusModel, Taper};
@@ -52,7 +50,8 @@ pub(crate) struct Ivy {
 
 pub(crate) fn ivy(nodes: usize, seed: u64) -> Result<Ivy, Failure> {
     let ruin = Ruin::new();
-    let wall = PoissonSurface::new(ruin.positions.clone(), ruin.triangles.clone()).with_nodes(nodes).with_root(FOOT);
+    let wall =
+        PoissonSurface::new(ruin.positions.clone(), ruin.triangles.clone()).with_nodes(nodes).with_root(FOOT);
     let normals: Arc<[Vec3]> = wall.nodes(seed, &Silent)?.normals.into();
     let climb = |up, fork| Climb { normals: normals.clone(), up, fork };
     let heights = Cuboid::new(Vec3::new(-1.0, 0.9, -1.0), Vec3::new(3.6, 4.0, 2.0));
@@ -76,7 +75,8 @@ pub(crate) fn ivy(nodes: usize, seed: u64) -> Result<Ivy, Failure> {
 impl Ivy {
     /// The stems, their bark on the wall.
     pub(crate) fn stems(&self) -> Result<Skeleton, Failure> {
-        let radii = Taper::new(PipeModel::default().with_exponent(2.6).with_trunk_diameter(0.07)).radii(&self.tree)?;
+        let radii = Taper::new(PipeModel::default().with_exponent(2.6).with_trunk_diameter(0.07))
+            .radii(&self.tree)?;
         let lifted = self.tree.positions().iter().zip(&self.normals).zip(&radii);
         let lifted = lifted.map(|((&position, &normal), radius)| position + normal * (radius * 0.8));
         let parents = (0..self.tree.len()).map(|node| self.tree.parent(node).map(|parent| parent as u32));
@@ -111,7 +111,12 @@ pub(crate) fn draw(nodes: usize, seed: u64, size: u32) -> Result<(Picture, Strin
     let ivy = ivy(nodes, seed)?;
     let stems = ivy.stems()?;
     let leaves = ivy.leaves(&stems, seed)?;
-    let measured = format!("{} tips, {} leaves, {} nodes of the wall", stems.tips().count(), leaves.instances.len(), ivy.graph.nodes());
+    let measured = format!(
+        "{} tips, {} leaves, {} nodes of the wall",
+        stems.tips().count(),
+        leaves.instances.len(),
+        ivy.graph.nodes()
+    );
     let (bark, wall) = (Tubes::default().mesh(&stems)?, ivy.ruin.mesh());
     let parts = [
         Part::new(&wall).with_material(Material::white()),

@@ -3,7 +3,7 @@
 use treesynth::field::Uniform;
 use treesynth::glam::{Vec2, Vec3};
 use treesynth::guided::{
-    Blend, Bend, Count, Edge, FollowField, HopSurface, NearestTo, PoissonYao, Side, Stage, TreeSynth,
+    Bend, Blend, Count, Edge, FollowField, HopSurface, NearestTo, PoissonYao, Side, Stage, TreeSynth,
 };
 use treesynth::math::{exp, ln};
 use treesynth::preview::Picture;
@@ -26,7 +26,8 @@ struct Air {
 
 impl WeightFn for Air {
     fn weight(&self, edge: &Edge) -> f32 {
-        let number = |stage| unit(edge.seed, stage, Purpose::CUSTOM, u64::from(edge.from) << 32 | u64::from(edge.to));
+        let number =
+            |stage| unit(edge.seed, stage, Purpose::CUSTOM, u64::from(edge.from) << 32 | u64::from(edge.to));
         // Near to normal: the logistic distribution's quantile.
         let draw = number(0).clamp(1e-4, 1.0 - 1e-4);
         let resistance = exp(self.roughness * ln(draw / (1.0 - draw)));
@@ -45,9 +46,9 @@ pub(crate) fn stroke(nodes: usize) -> TreeSynth {
     };
     TreeSynth::new(PoissonYao::new(region).with_nodes(nodes).with_root(Vec3::Y * CLOUD))
         .stage(Stage::new(down(), NearestTo::new(TARGET)).with_weight(Air { roughness: 0.6 }))
-        .stage(branches(12, 9, 0.8))
-        .stage(branches(7, 26, 0.9))
-        .stage(branches(4, 90, 1.0))
+        .stage(branches(11, 8, 0.8))
+        .stage(branches(5, 30, 0.9))
+        .stage(branches(3, 90, 1.0))
 }
 
 /// Length of the main channel over the distance between its ends.
@@ -59,7 +60,11 @@ pub(crate) fn tortuosity(tree: &Skeleton) -> f32 {
 
 pub(crate) fn draw(nodes: usize, seed: u64, size: u32) -> Result<(Picture, String), Failure> {
     let tree = stroke(nodes).synthesize(seed)?;
-    let measured = format!("{} tips, main channel {:.2} times as long as straight", tree.tips().count(), tortuosity(&tree));
+    let measured = format!(
+        "{} tips, main channel {:.2} times as long as straight",
+        tree.tips().count(),
+        tortuosity(&tree)
+    );
     let mut picture = Picture::new(size, size, [14, 16, 30])?;
     // The night sky brightens to the horizon.
     for row in 0..size {
@@ -68,7 +73,9 @@ pub(crate) fn draw(nodes: usize, seed: u64, size: u32) -> Result<(Picture, Strin
         picture.rectangle(0, row as i32, size, 1, color);
     }
     let scale = size as f32 / (CLOUD * 1.06);
-    let at = |p: Vec3| Vec2::new(size as f32 * 0.5 + (p.x + 0.15 * p.z) * scale, size as f32 - (p.y + 30.0) * scale);
+    let at = |p: Vec3| {
+        Vec2::new(size as f32 * 0.5 + (p.x + 0.15 * p.z) * scale, size as f32 - (p.y + 30.0) * scale)
+    };
     picture.rectangle(0, (size as f32 - 30.0 * scale) as i32, size, size, [9, 10, 16]);
     // From the dim glow around to the bright core; branches are thinner and dimmer stage by stage.
     let glow: [(f32, [f32; 3]); 6] = [
@@ -82,12 +89,12 @@ pub(crate) fn draw(nodes: usize, seed: u64, size: u32) -> Result<(Picture, Strin
     for (width, color) in glow {
         for (node, parent) in tree.edges() {
             let stage = f32::from(tree.stages()[node]);
-            let dim = 1.0 - 0.2 * stage;
+            let dim = 1.0 - 0.23 * stage;
             if stage > 0.0 && width > 10.0 {
                 continue;
             }
             let width = width / (1.0 + 0.9 * stage) * size as f32 / 800.0;
-            let color = color.map(|channel| (channel * dim).max(20.0) as u8);
+            let color = [0, 1, 2].map(|i| (color[i] * dim + [14.0, 16.0, 34.0][i] * (1.0 - dim)) as u8);
             picture.line(at(tree.positions()[parent]), at(tree.positions()[node]), width, color);
         }
     }

@@ -81,7 +81,9 @@ fn run() -> Result<(), Failure> {
         return Err(format!("there is no {name}; --list has all").into());
     }
     fs::create_dir_all(&out)?;
-    for (name, usual, draw) in ALL.iter().filter(|(name, ..)| only.as_deref().is_none_or(|only| only == *name)) {
+    for (name, usual, draw) in
+        ALL.iter().filter(|(name, ..)| only.as_deref().is_none_or(|only| only == *name))
+    {
         let start = Instant::now();
         let (picture, measured) = draw(nodes.unwrap_or(*usual), seed, size)?;
         println!("{name}: {measured} ({:.1} s)", start.elapsed().as_secs_f32());

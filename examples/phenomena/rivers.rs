@@ -6,7 +6,8 @@ use std::collections::BinaryHeap;
 use treesynth::field::{FieldFn, GridField};
 use treesynth::glam::{Vec2, Vec3};
 use treesynth::guided::{
-    Count, Edge, FollowField, Graph, GraphBuilder, GraphError, InShape, PoissonDelaunay, Search, Stage, TreeSynth,
+    Count, Edge, FollowField, Graph, GraphBuilder, GraphError, InShape, PoissonDelaunay, Search, Stage,
+    TreeSynth,
 };
 use treesynth::math::ln;
 use treesynth::preview::{Camera, Picture, Preview};
@@ -22,10 +23,14 @@ const HALF: f32 = 5_000.0;
 /// Water runs down by at least so much from node to node, metres.
 const FALL: f32 = 0.02;
 
-/// Hills on a plain that falls to the outlet, in the middle of the lower side; metres. `y` is north.
+/// Hills on a plain that falls to the outlet, in the middle of the lower side, with a ridge along the other sides; metres.
+/// `y` is north.
 fn height(seed: u64, place: Vec2) -> f32 {
-    let mut sum = 0.05 * (place.y + HALF) + 0.012 * place.x.abs();
-    let (mut wave, mut amplitude) = (4_200.0, 260.0);
+    let within = Vec2::new(HALF - place.x.abs(), HALF - place.y.abs()).min_element();
+    let ridge =
+        (1.0 - within / 1_500.0).clamp(0.0, 1.0) * ((place - Vec2::NEG_Y * HALF).length() / 2_000.0).min(1.0);
+    let mut sum = 0.04 * (place.y + HALF) + 0.02 * place.x.abs() + 420.0 * ridge * ridge;
+    let (mut wave, mut amplitude) = (3_600.0, 190.0);
     for octave in 0..6 {
         sum += amplitude * noise(seed, octave, place / wave);
         (wave, amplitude) = (wave * 0.5, amplitude * 0.48);
@@ -102,7 +107,8 @@ impl GraphBuilder for Land {
             flat.neighbours(from).iter().filter(higher).map(|&to| (from, to)).collect::<Vec<_>>()
         };
         let edges: Vec<(u32, u32)> = (0..flat.nodes() as u32).flat_map(climbs).collect();
-        let positions = flat.positions().iter().zip(&heights).map(|(p, &height)| Vec3::new(p.x, height, -p.y));
+        let positions =
+            flat.positions().iter().zip(&heights).map(|(p, &height)| Vec3::new(p.x, height, -p.y));
         Graph::new(positions.collect(), &edges, flat.root())
     }
 }
@@ -166,25 +172,28 @@ pub(crate) fn hack(tree: &Skeleton) -> f32 {
 
 pub(crate) fn draw(nodes: usize, seed: u64, size: u32) -> Result<(Picture, String), Failure> {
     let (tree, graph) = rivers(nodes, seed)?;
-    let uphill = tree.edges().filter(|&(node, parent)| tree.positions()[parent].y >= tree.positions()[node].y).count();
-    let measured = format!("Hack's exponent {:.3}, {uphill} of {} segments run uphill", hack(&tree), tree.segments());
+    let uphill =
+        tree.edges().filter(|&(node, parent)| tree.positions()[parent].y >= tree.positions()[node].y).count();
+    let measured =
+        format!("Hack's exponent {:.3}, {uphill} of {} segments run uphill", hack(&tree), tree.segments());
     let steep = |p: Vec3| Vec3::new(p.x, p.y * 2.5, p.z);
     // What drains enough to be seen as a river.
     let (areas, _) = drainage(&tree);
     let least = (nodes as f32 / 500.0).max(4.0);
-    let (mut places, mut parents, mut positions, mut radii) = (vec![0; tree.len()], Vec::new(), Vec::new(), Vec::new());
+    let (mut places, mut parents, mut positions, mut radii) =
+        (vec![0; tree.len()], Vec::new(), Vec::new(), Vec::new());
     for node in (0..tree.len()).filter(|&node| areas[node] >= least) {
         places[node] = positions.len() as u32;
         parents.push(tree.parent(node).map(|parent| places[parent]));
         positions.push(steep(tree.positions()[node]) + Vec3::Y * 6.0);
-        radii.push(95.0 * (areas[node] / tree.len() as f32).sqrt() + 5.0);
+        radii.push(85.0 * (areas[node] / tree.len() as f32).sqrt() + 6.0);
     }
     let river = Skeleton::new(positions, parents)?.with_radii(radii)?;
     let water = Tubes::default().mesh(&river)?;
     let land = land(&graph, seed, nodes, steep)?;
     let parts = [
         Part::new(&land).with_material(Material::white()),
-        Part::new(&water).with_material(Material::bark().with_srgb([58, 112, 168]).with_roughness(0.4)),
+        Part::new(&water).with_material(Material::bark().with_srgb([40, 84, 136]).with_roughness(0.4)),
     ];
     let paper = [0.97, 0.965, 0.955];
     let preview = Preview::default()
@@ -203,8 +212,9 @@ fn land(graph: &Graph, seed: u64, nodes: usize, steep: impl Fn(Vec3) -> Vec3) ->
     for &position in graph.positions() {
         let share = position.y / top;
         let mix = |low: [f32; 3], high: [f32; 3], t: f32| [0, 1, 2].map(|i| low[i] + (high[i] - low[i]) * t);
-        let (green, olive, grey) = ([0.2, 0.3, 0.11], [0.4, 0.38, 0.2], [0.62, 0.58, 0.54]);
-        let color = if share < 0.5 { mix(green, olive, share * 2.0) } else { mix(olive, grey, share * 2.0 - 1.0) };
+        let (green, olive, grey) = ([0.07, 0.13, 0.035], [0.17, 0.17, 0.075], [0.27, 0.25, 0.23]);
+        let color =
+            if share < 0.5 { mix(green, olive, share * 2.0) } else { mix(olive, grey, share * 2.0 - 1.0) };
         mesh.positions.push(steep(position));
         mesh.normals.push(Vec3::ZERO);
         mesh.colors.push(color);

@@ -50,9 +50,7 @@ pub(crate) fn roots(nodes: usize) -> TreeSynth {
     };
     TreeSynth::new(PoissonYao::new(region).with_nodes(nodes))
         .stage(Stage::new(down(), NearestTo::new(Vec3::new(0.1, -1.45, 0.0))).with_weight(soil()))
-        .stage(
-            Stage::new(lateral(0.03), InShape::poisson_disc(spread, Count::UpTo(70))).with_weight(soil()),
-        )
+        .stage(Stage::new(lateral(0.03), InShape::poisson_disc(spread, Count::UpTo(70))).with_weight(soil()))
         .stage(fine(3, 500, 0.06))
         .stage(fine(2, 2_500, 0.1))
         .with_radius(Taper::new(PipeModel::default().with_exponent(2.3).with_trunk_diameter(0.34)))
@@ -74,18 +72,20 @@ fn pit() -> Mesh {
     let mut mesh = Mesh::default();
     let shade = |y: f32| {
         if y > -0.4 {
-            [0.16, 0.11, 0.075]
+            [0.055, 0.036, 0.024]
         } else if y > CLAY {
-            [0.36, 0.26, 0.17]
+            [0.15, 0.1, 0.065]
         } else {
-            [0.46, 0.28, 0.18]
+            [0.19, 0.1, 0.062]
         }
     };
     for (low, high) in [(-0.4, 0.0), (CLAY, -0.4), (-DEPTH, CLAY)] {
         let color = [shade((low + high) * 0.5); 4];
         let at = Vec3::new;
-        let back = [at(-HALF, low, -HALF), at(HALF, low, -HALF), at(HALF, high, -HALF), at(-HALF, high, -HALF)];
-        let side = [at(-HALF, low, HALF), at(-HALF, low, -HALF), at(-HALF, high, -HALF), at(-HALF, high, HALF)];
+        let back =
+            [at(-HALF, low, -HALF), at(HALF, low, -HALF), at(HALF, high, -HALF), at(-HALF, high, -HALF)];
+        let side =
+            [at(-HALF, low, HALF), at(-HALF, low, -HALF), at(-HALF, high, -HALF), at(-HALF, high, HALF)];
         quad(&mut mesh, back, color);
         quad(&mut mesh, side, color);
     }
@@ -105,21 +105,26 @@ pub(crate) fn draw(nodes: usize, seed: u64, size: u32) -> Result<(Picture, Strin
     let mesh = Tubes::default().mesh(&tree.relaxed(0.5, 3)?)?;
     // What stands above: a stump.
     let foot = tree.radii()[0];
-    let stump = Skeleton::new(vec![Vec3::Y * -0.1, Vec3::Y * 0.12, Vec3::Y * 0.6], vec![None, Some(0), Some(1)])?
-        .with_radii(vec![foot * 1.15, foot, foot * 0.85])?;
+    let stump =
+        Skeleton::new(vec![Vec3::Y * -0.05, Vec3::Y * 0.12, Vec3::Y * 0.45], vec![None, Some(0), Some(1)])?
+            .with_radii(vec![foot * 1.15, foot, foot * 0.85])?;
     let stump = Tubes::default().mesh(&stump)?;
-    let stones = STONES.map(|(center, radius)| solid::ball(center, radius * 0.97, 48));
+    let stones = STONES.map(|(center, radius)| solid::ball(center, radius * 0.97, 48, 24));
     let pit = pit();
-    let wood = Material::bark().with_srgb([196, 164, 124]);
+    let wood = Material::bark().with_srgb([176, 142, 104]);
     let mut parts = vec![
         Part::new(&mesh).with_material(wood),
         Part::new(&stump).with_material(Material::bark().with_srgb([112, 94, 76])),
         Part::new(&pit).with_material(Material::white().with_double_sided(true)),
     ];
-    parts.extend(stones.iter().map(|stone| Part::new(stone).with_material(Material::bark().with_srgb([146, 146, 142]))));
+    parts.extend(
+        stones
+            .iter()
+            .map(|stone| Part::new(stone).with_material(Material::bark().with_srgb([112, 112, 110]))),
+    );
     let paper = [0.97, 0.965, 0.955];
     let preview = Preview::default()
-        .with_size(size, size * 7 / 8)
+        .with_size(size, size * 5 / 8)
         .with_background(paper, paper)
         .with_ground(false)
         .with_sun(Vec3::new(0.5, 0.9, 0.8))

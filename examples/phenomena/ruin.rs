@@ -17,7 +17,8 @@ pub(crate) struct Ruin {
 }
 
 fn draw(at: IVec3, purpose: u32) -> f32 {
-    let index = at.to_array().iter().fold(0, |key: u64, &n| key << 16 | u64::from((n + 64).cast_unsigned() & 0xffff));
+    let index =
+        at.to_array().iter().fold(0, |key: u64, &n| key << 16 | u64::from((n + 64).cast_unsigned() & 0xffff));
     unit(3, purpose, Purpose::CUSTOM, index)
 }
 
@@ -30,7 +31,8 @@ fn is_solid(at: IVec3) -> bool {
     // The top has crumbled, in steps of two blocks, more to the right.
     let step = IVec3::new(at.x / 2, 0, 0);
     let top = 21.0 - 0.28 * x + 4.0 * draw(step, 0) - if (12..17).contains(&at.x) { 3.0 } else { 0.0 };
-    let window = (x - 20.5).abs() < 3.5 && y >= 5.0 && (y < 9.0 || (x - 20.5).powi(2) + (y - 9.0).powi(2) < 12.0);
+    let window =
+        (x - 20.5).abs() < 3.5 && y >= 5.0 && (y < 9.0 || (x - 20.5).powi(2) + (y - 9.0).powi(2) < 12.0);
     let buttress = at.x < 5 && y < 15.0 - 2.5 * (at.z - 3).max(0) as f32;
     y < top && !window && (at.z < 3 || buttress)
 }

@@ -4,10 +4,10 @@ use treesynth::glam::Vec3;
 use treesynth::math::sin_cos;
 use treesynth::surface::Mesh;
 
-/// A ball of a grid of squares, `n` around.
-pub(crate) fn ball(center: Vec3, radius: f32, n: u32) -> Mesh {
+/// The upper part of a ball of a grid of squares, `n` around: all of it, or with `rings` of `n / 4` the half.
+pub(crate) fn ball(center: Vec3, radius: f32, n: u32, rings: u32) -> Mesh {
     let (mut positions, mut normals, mut indices) = (Vec::new(), Vec::new(), Vec::new());
-    for ring in 0..=n / 2 {
+    for ring in 0..=rings {
         let (across, up) = sin_cos(std::f32::consts::TAU * ring as f32 / n as f32);
         for step in 0..=n {
             let (sin, cos) = sin_cos(std::f32::consts::TAU * (step % n) as f32 / n as f32);

@@ -80,7 +80,7 @@ pub(crate) fn draw(nodes: usize, seed: u64, size: u32) -> Result<(Picture, Strin
         .with_size(0.12)
         .with_material(Material::leaf().with_srgb([98, 118, 66]))
         .place(&tree, seed)?;
-    let rock = solid::ball(Vec3::ZERO, ROCK, 96);
+    let rock = solid::ball(Vec3::ZERO, ROCK * 0.97, 96, 24);
     let parts = [
         Part::new(&mesh).with_material(Material::bark().with_srgb([120, 100, 82])),
         leaves.part(),

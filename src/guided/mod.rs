@@ -23,9 +23,8 @@ pub use endpoint::{
     Count, EndpointError, EndpointPolicy, HopSurface, InShape, NearestTo, NearestToEach, Side, StageView,
 };
 pub use graph::{
-    Edges, GradedYao, Graph, GraphBuilder, GraphError, Lattice, NearSurface, PointCloud, PoissonDelaunay, PoissonSurface,
-    PoissonYao,
-    SizingField, SizingFn, Spacing, SurfaceNodes,
+    Edges, GradedYao, Graph, GraphBuilder, GraphError, Lattice, NearSurface, PointCloud, PoissonDelaunay,
+    PoissonSurface, PoissonYao, SizingField, SizingFn, Spacing, SurfaceNodes,
 };
 pub use refine::Refinement;
 pub use rule::{

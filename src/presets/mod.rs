@@ -28,6 +28,7 @@ mod look;
 mod organized;
 mod plane;
 mod rotation;
+mod samples;
 mod variety;
 mod volume;
 
@@ -38,7 +39,7 @@ pub use organized::{Stand, WALL, stand_by_name, stands};
 use crate::foliage::Foliage;
 use crate::guided::{Bend, Count, HopSurface, InShape, NearestTo, PoissonYao, Stage, TreeSynth};
 use crate::radius::{PipeModel, Taper};
-use crate::shape::{Cuboid, Shape};
+use crate::shape::{Cuboid, Ellipsoid, Shape};
 use crate::surface::Material;
 use glam::Vec3;
 use look::Look;
@@ -64,6 +65,7 @@ pub struct Preset {
     pub planar: bool,
     build: fn(usize) -> TreeSynth,
     look: Look,
+    volume: Option<Ellipsoid>,
 }
 
 impl Preset {
@@ -73,7 +75,17 @@ impl Preset {
         caption: &'static str,
         build: fn(usize) -> TreeSynth,
     ) -> Self {
-        Self { name, figure, caption, seed: 1, partial_stages: None, planar: false, build, look: look::ELM }
+        Self {
+            name,
+            figure,
+            caption,
+            seed: 1,
+            partial_stages: None,
+            planar: false,
+            build,
+            look: look::ELM,
+            volume: None,
+        }
     }
 
     const fn seed(mut self, seed: u64) -> Self {
@@ -94,6 +106,16 @@ impl Preset {
     const fn like(mut self, look: Look) -> Self {
         self.look = look;
         self
+    }
+
+    const fn within(mut self, volume: Ellipsoid) -> Self {
+        self.volume = Some(volume);
+        self
+    }
+
+    /// The volume that its figure draws around it: where the endpoints of the second iteration lie. Figure 10 alone has them.
+    pub fn volume(&self) -> Option<Ellipsoid> {
+        self.volume
     }
 
     /// What its bark looks like.
@@ -128,7 +150,9 @@ impl Preset {
 /// All presets, in the order of the figures, then those beyond the paper.
 pub fn all() -> impl Iterator<Item = &'static Preset> {
     [
+        samples::SAMPLES,
         plane::PRESETS,
+        samples::ITERATIONS,
         rotation::PRESETS,
         volume::PRESETS,
         variety::PRESETS,

@@ -123,7 +123,9 @@ fn held(mesh: &Mesh, spacing: f32, seed: u64) -> (Graph, SurfaceNodes) {
 #[test]
 fn nodes_and_edges_lie_on_the_surface() {
     for seed in 1..=4 {
-        for (name, mesh) in [("hills", hills()), ("sphere", sphere()), ("wall", wall(Vec3::new(3.0, 2.0, 0.3), 6))] {
+        for (name, mesh) in
+            [("hills", hills()), ("sphere", sphere()), ("wall", wall(Vec3::new(3.0, 2.0, 0.3), 6))]
+        {
             let (graph, _) = held(&mesh, 0.12, seed);
             let reached = graph.hops_from_root().iter().filter(|&&hops| hops < u32::MAX).count();
             assert_eq!(reached, graph.nodes(), "{name}, seed {seed}: not connected");
@@ -140,7 +142,8 @@ fn nodes_leave_no_gaps() {
         let nodes = builder(&mesh).with_spacing(0.1).nodes(seed, &Silent).expect("nodes");
         let mut random = rand_chacha::ChaCha8Rng::seed_from_u64(seed);
         for _ in 0..2_000 {
-            let [a, b, c] = mesh.1[random.random_range(0..mesh.1.len())].map(|corner| mesh.0[corner as usize]);
+            let [a, b, c] =
+                mesh.1[random.random_range(0..mesh.1.len())].map(|corner| mesh.0[corner as usize]);
             let (u, v) = (random.random::<f32>(), random.random::<f32>());
             let (u, v) = if u + v > 1.0 { (1.0 - u, 1.0 - v) } else { (u, v) };
             let point = a + (b - a) * u + (c - a) * v;
@@ -167,19 +170,25 @@ fn no_edge_tunnels_through_a_thin_wall() {
     let front = || sheet(4, |u, v| Vec3::new(2.0 * u, 2.0 * v, 1e-4));
     let back = || sheet(4, |u, v| Vec3::new(2.0 * (1.0 - u), 2.0 * v, 0.0));
     for seed in 1..=5 {
-        let graph = builder(&joined([front(), back()])).with_spacing(0.1).with_root(Vec3::Z).build(seed, &Silent);
+        let graph =
+            builder(&joined([front(), back()])).with_spacing(0.1).with_root(Vec3::Z).build(seed, &Silent);
         let graph = graph.expect("a graph");
         let side = |node: usize| graph.positions()[node].z > 5e-5;
         assert!(edges(&graph).all(|(from, to)| side(from) == side(to)), "seed {seed}");
         let reached = |node: usize| graph.hops_from_root()[node] < u32::MAX;
-        assert!((0..graph.nodes()).all(|node| reached(node) == side(node)), "all of the front, nothing of the back");
+        assert!(
+            (0..graph.nodes()).all(|node| reached(node) == side(node)),
+            "all of the front, nothing of the back"
+        );
         assert!((0..graph.nodes()).any(|node| !side(node)));
     }
     // A wall a tenth of a spacing thick with a rim: the way to the back is around it.
     let thin = wall(Vec3::new(2.0, 2.0, 0.01), 3);
     for seed in 1..=5 {
         let (graph, nodes) = held(&thin, 0.1, seed);
-        for (from, to) in edges(&graph).filter(|&(from, to)| nodes.normals[from].dot(nodes.normals[to]) < -0.5) {
+        for (from, to) in
+            edges(&graph).filter(|&(from, to)| nodes.normals[from].dot(nodes.normals[to]) < -0.5)
+        {
             let rim = |p: Vec3| (2.0 - p.y).min(p.x).min(2.0 - p.x).min(p.y);
             let (a, b) = (nodes.positions[from], nodes.positions[to]);
             assert!(rim(a) + rim(b) <= 1.5 * a.distance(b), "{a} - {b} leads through the wall");

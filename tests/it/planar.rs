@@ -44,7 +44,9 @@ fn crossings(positions: &[Vec3], segments: &[(usize, usize)]) -> usize {
 }
 
 fn edges(graph: &Graph) -> Vec<(usize, usize)> {
-    let from = |node: u32| graph.neighbours(node).iter().map(move |&to| (node.min(to) as usize, node.max(to) as usize));
+    let from = |node: u32| {
+        graph.neighbours(node).iter().map(move |&to| (node.min(to) as usize, node.max(to) as usize))
+    };
     let mut edges: Vec<_> = (0..graph.nodes() as u32).flat_map(from).collect();
     edges.sort_unstable();
     edges.dedup();
@@ -65,7 +67,8 @@ fn square() -> Cuboid {
 
 #[test]
 fn crossings_are_found() {
-    let cross = [Vec3::ZERO, Vec3::new(2.0, 2.0, 0.0), Vec3::Y * 2.0, Vec3::X * 2.0, Vec3::new(1.0, 1.0, 0.0)];
+    let cross =
+        [Vec3::ZERO, Vec3::new(2.0, 2.0, 0.0), Vec3::Y * 2.0, Vec3::X * 2.0, Vec3::new(1.0, 1.0, 0.0)];
     assert_eq!(crossings(&cross, &[(0, 1), (2, 3)]), 1);
     assert_eq!(crossings(&cross, &[(0, 2), (1, 3)]), 0);
     assert_eq!(crossings(&cross, &[(0, 1), (1, 2)]), 0, "they share an end");
@@ -91,21 +94,30 @@ fn no_edges_cross() {
             let graph = builder.build(seed, &Silent).expect("a graph");
             let spacing = builder.spacing().expect("in range");
             assert_eq!(crossings_of(&graph), 0, "{name}, seed {seed}");
-            let lengths = edges(&graph).into_iter().map(|(a, b)| graph.positions()[a].distance(graph.positions()[b]));
+            let lengths =
+                edges(&graph).into_iter().map(|(a, b)| graph.positions()[a].distance(graph.positions()[b]));
             let lengths: Vec<f32> = lengths.map(|length| length / spacing).collect();
             assert!(lengths.iter().all(|&length| length <= 4.0));
             if *name == "square" {
                 longest.extend(lengths);
             }
-            assert!(graph.hops_from_root().iter().all(|&hops| hops < u32::MAX), "{name}, seed {seed}: not connected");
+            assert!(
+                graph.hops_from_root().iter().all(|&hops| hops < u32::MAX),
+                "{name}, seed {seed}: not connected"
+            );
             assert!((1_350..1_650).contains(&graph.nodes()) || *name == "ring", "{name}: {}", graph.nodes());
         }
     }
     longest.sort_by(f32::total_cmp);
     let at = |share: f64| longest[(share * (longest.len() - 1) as f64) as usize];
-    println!("edges in spacings: median {}, 99% {}, 99.9% {}, longest {}", at(0.5), at(0.99), at(0.999), at(1.0));
+    println!(
+        "edges in spacings: median {}, 99% {}, 99.9% {}, longest {}",
+        at(0.5),
+        at(0.99),
+        at(0.999),
+        at(1.0)
+    );
 }
-
 
 /// By the definition: two nodes are linked if some circle through both and a third holds no other.
 #[test]

@@ -163,7 +163,11 @@ fn check(origin: Vec3, spacing: Vec3, dimensions: [usize; 3]) -> Result<usize, P
     let count = dimensions.iter().try_fold(1_usize, |product, &n| product.checked_mul(n));
     count.filter(|count| (1..=MOST_SAMPLES).contains(count)).ok_or_else(|| {
         let value = format!("{dimensions:?}");
-        ParameterError::new("GridField.dimensions", value, "at least 1 along each axis, and at most 2^28 in all")
+        ParameterError::new(
+            "GridField.dimensions",
+            value,
+            "at least 1 along each axis, and at most 2^28 in all",
+        )
     })
 }
 

@@ -12,13 +12,8 @@ fn linear(point: Vec3) -> Vec3 {
 }
 
 fn grid() -> GridField {
-    GridField::sampled(
-        &FieldFn::new(linear),
-        Vec3::new(-1.0, 0.5, 2.0),
-        Vec3::new(0.5, 0.25, 1.5),
-        [5, 4, 3],
-    )
-    .expect("in range")
+    GridField::sampled(&FieldFn::new(linear), Vec3::new(-1.0, 0.5, 2.0), Vec3::new(0.5, 0.25, 1.5), [5, 4, 3])
+        .expect("in range")
 }
 
 #[test]
@@ -99,7 +94,10 @@ fn files_come_back() {
     let text = "# vtk DataFile Version 2.0\n\nASCII\r\nDATASET STRUCTURED_POINTS\nSPACING 1 2 0.5\n\nDIMENSIONS 2 1 2\n\
                 ORIGIN 0 0 -1\nPOINT_DATA 4\nVECTORS wind double\n1 0 0 2 0\n0 1e0 1\n1\n\n4 5 6.5\nMETADATA\n";
     let field = GridField::read_vtk(text.as_bytes()).expect("as the format has it");
-    assert_eq!((field.dimensions(), field.spacing(), field.origin().z), ([2, 1, 2], Vec3::new(1.0, 2.0, 0.5), -1.0));
+    assert_eq!(
+        (field.dimensions(), field.spacing(), field.origin().z),
+        ([2, 1, 2], Vec3::new(1.0, 2.0, 0.5), -1.0)
+    );
     assert_eq!(field.samples(), [Vec3::X, Vec3::X * 2.0, Vec3::ONE, Vec3::new(4.0, 5.0, 6.5)]);
     let mut wide = text[..text.find("1 0 0 2").expect("the data")].replace("ASCII", "BINARY").into_bytes();
     for number in 0..12 {
@@ -160,7 +158,9 @@ fn what_is_out_of_range_is_named() {
     assert!(new(Vec3::X * 1e7, Vec3::ONE, [1; 3], one.clone()).starts_with("GridField.origin"));
     assert!(new(Vec3::NAN, Vec3::ONE, [1; 3], one.clone()).starts_with("GridField.origin"));
     assert!(new(Vec3::ZERO, Vec3::ONE - Vec3::Y, [1; 3], one.clone()).starts_with("GridField.spacing"));
-    assert!(new(Vec3::ZERO, Vec3::ONE, [1, 0, 1], Vec::new()).starts_with("GridField.dimensions is [1, 0, 1]"));
+    assert!(
+        new(Vec3::ZERO, Vec3::ONE, [1, 0, 1], Vec::new()).starts_with("GridField.dimensions is [1, 0, 1]")
+    );
     assert!(new(Vec3::ZERO, Vec3::ONE, [usize::MAX, 2, 1], one.clone()).starts_with("GridField.dimensions"));
     assert_eq!(new(Vec3::ZERO, Vec3::ONE, [2, 1, 1], one), "the grid has 2 samples, but 1 are given");
     assert!(new(Vec3::ZERO, Vec3::ONE, [1; 3], vec![Vec3::NAN]).starts_with("sample 0 is"));

@@ -189,8 +189,9 @@ impl<R: BufRead> Reader<R> {
     {
         let mut numbers = <[T; N]>::default();
         for (number, word) in numbers.iter_mut().zip(words) {
-            *number =
-                word.parse().map_err(|_| self.wrong(format!("`{}` is no number that fits here", short(word))))?;
+            *number = word
+                .parse()
+                .map_err(|_| self.wrong(format!("`{}` is no number that fits here", short(word))))?;
         }
         Ok(numbers)
     }
@@ -214,7 +215,8 @@ impl<R: BufRead> Reader<R> {
                 axis = (axis + 1) % 3;
                 if axis == 0 {
                     if !is_usable(sample) {
-                        let message = format!("vector {} is {sample}, beyond 1e18 or no number", samples.len());
+                        let message =
+                            format!("vector {} is {sample}, beyond 1e18 or no number", samples.len());
                         return Err(self.wrong(message));
                     }
                     samples.push(sample);
@@ -250,7 +252,10 @@ impl<R: BufRead> Reader<R> {
                 }
                 sample[axis] = number(bytes);
                 if !is_usable(Vec3::splat(sample[axis])) {
-                    let message = format!("vector {index} has a component of {}, beyond 1e18 or no number", sample[axis]);
+                    let message = format!(
+                        "vector {index} has a component of {}, beyond 1e18 or no number",
+                        sample[axis]
+                    );
                     return Err(GridFieldError::Byte { byte: self.byte, message });
                 }
                 self.byte += SIZE as u64;

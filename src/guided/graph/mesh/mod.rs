@@ -148,7 +148,8 @@ impl PoissonSurface {
                 Ok((DENSITY * area / nodes as f32).sqrt())
             }
             Size::Spacing(spacing) => {
-                let holds = spacing > 0.0 && spacing.is_finite() && DENSITY * area / (spacing * spacing) <= MAX_NODES;
+                let holds =
+                    spacing > 0.0 && spacing.is_finite() && DENSITY * area / (spacing * spacing) <= MAX_NODES;
                 let range = "finite, above 0 m and coarse enough for at most 20000000 nodes";
                 ParameterError::unless(holds, "PoissonSurface.spacing", spacing, range)?;
                 Ok(spacing)
@@ -165,7 +166,12 @@ impl PoissonSurface {
         let (surface, spacing) = (self.welded(), self.spacing()?);
         let extent = surface.extent();
         let holds = spacing > extent * 1e-6;
-        ParameterError::unless(holds, "PoissonSurface.spacing", spacing, "above a millionth of the mesh's size")?;
+        ParameterError::unless(
+            holds,
+            "PoissonSurface.spacing",
+            spacing,
+            "above a millionth of the mesh's size",
+        )?;
         let places = nodes::darts(surface, spacing, self.root, seed, observer)?;
         Ok(SurfaceNodes {
             positions: places.iter().map(|place| place.position).collect(),
