@@ -9,7 +9,7 @@ use treesynth::guided::{
     Count, Edge, FollowField, Graph, GraphBuilder, GraphError, InShape, PoissonDelaunay, Search, Stage,
     TreeSynth,
 };
-use treesynth::math::ln;
+use treesynth::math::{exp, ln};
 use treesynth::preview::{Camera, Picture, Preview};
 use treesynth::random::{Purpose, unit};
 use treesynth::shape::Cuboid;
@@ -29,8 +29,8 @@ fn height(seed: u64, place: Vec2) -> f32 {
     let within = Vec2::new(HALF - place.x.abs(), HALF - place.y.abs()).min_element();
     let ridge =
         (1.0 - within / 1_500.0).clamp(0.0, 1.0) * ((place - Vec2::NEG_Y * HALF).length() / 2_000.0).min(1.0);
-    let mut sum = 0.04 * (place.y + HALF) + 0.02 * place.x.abs() + 420.0 * ridge * ridge;
-    let (mut wave, mut amplitude) = (3_600.0, 190.0);
+    let mut sum = 0.04 * (place.y + HALF) + 0.02 * place.x.abs() + 300.0 * ridge * ridge;
+    let (mut wave, mut amplitude) = (3_600.0, 240.0);
     for octave in 0..6 {
         sum += amplitude * noise(seed, octave, place / wave);
         (wave, amplitude) = (wave * 0.5, amplitude * 0.48);
@@ -113,17 +113,22 @@ impl GraphBuilder for Land {
     }
 }
 
-/// Cheap straight up the slope, and a little for every metre; the ground is softer here and harder there.
+/// Cheap straight up the slope, and a little for every metre. How hard the ground is varies from edge to edge by a factor
+/// with a log-normal tail: ways around what is hard make streams longer than straight.
 struct Ground;
 
 impl WeightFn for Ground {
     fn weight(&self, edge: &Edge) -> f32 {
-        let draw = unit(edge.seed, 7, Purpose::CUSTOM, u64::from(edge.from) << 32 | u64::from(edge.to));
-        edge.length * (0.25 + edge.deviation()) * (0.35 + 1.3 * draw)
+        let ends = u64::from(edge.from) << 32 | u64::from(edge.to);
+        let draw = unit(edge.seed, 7, Purpose::CUSTOM, ends).clamp(1e-4, 1.0 - 1e-4);
+        // Near to normal: the logistic distribution's quantile.
+        let hardness = exp(0.9 * ln(draw / (1.0 - draw)));
+        edge.length * (0.25 + edge.deviation()) * hardness
     }
 }
 
-/// The drainage of all the land, and the graph it lies in.
+/// The drainage of all the land, and the graph it lies in: first the streams that lead to points spread over the land, then the
+/// ways of all other water to these.
 pub(crate) fn rivers(nodes: usize, seed: u64) -> Result<(Skeleton, Graph), Failure> {
     let rule = || -> Result<_, Failure> { Ok(FollowField::new(uphill(seed)?)) };
     let all = Cuboid::new(Vec3::new(-2.0 * HALF, -1.0, -2.0 * HALF), Vec3::splat(2.0 * HALF));
@@ -131,7 +136,7 @@ pub(crate) fn rivers(nodes: usize, seed: u64) -> Result<(Skeleton, Graph), Failu
         Ok(Stage::new(rule()?, InShape::poisson_disc(all, count)).with_weight(Ground))
     };
     let synth = TreeSynth::new(Land { nodes })
-        .stage(stage(Count::UpTo(12))?)
+        .stage(stage(Count::UpTo((nodes / 120).max(4)))?)
         .stage(Stage::new(rule()?, InShape::uniform(all, Count::Share(1.0))).with_weight(Ground));
     let graph = synth.build_graph(seed, &Silent)?;
     let growth = synth.grow(&mut Search::new(&graph), seed, &Silent)?;

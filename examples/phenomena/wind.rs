@@ -51,18 +51,18 @@ pub(crate) fn shrub(nodes: usize, wind: impl VectorField + Clone + 'static) -> T
     };
     TreeSynth::new(PoissonYao::new(region).with_nodes(nodes).with_root(ROOT))
         .stage(
-            Stage::new(FollowField::new(wind.clone()), InShape::poisson_disc(lee, Count::UpTo(60)))
+            Stage::new(FollowField::new(wind.clone()), InShape::poisson_disc(lee, Count::UpTo(36)))
                 .with_weight(Within::obstacle(Guided, rock)),
         )
-        .stage(twigs(2, 400))
-        .stage(twigs(2, 1500))
+        .stage(twigs(2, 240))
+        .stage(twigs(2, 800))
         .with_radius(Taper::new(PipeModel::default().with_exponent(2.4).with_trunk_diameter(0.3)))
 }
 
-/// Mean cosine between the internodes of the first stage and the wind, weighted by length.
+/// Mean cosine between the twigs and the wind, weighted by length. Where the limbs lead is decided by their endpoints, which lie in the lee.
 pub(crate) fn along(tree: &Skeleton, wind: &impl VectorField) -> f32 {
     let (mut sum, mut length) = (0.0, 0.0);
-    for (node, parent) in tree.edges().filter(|&(node, _)| tree.stages()[node] == 0) {
+    for (node, parent) in tree.edges().filter(|&(node, _)| tree.stages()[node] > 0) {
         let (from, to) = (tree.positions()[parent], tree.positions()[node]);
         sum += wind.at((from + to) * 0.5).normalize_or_zero().dot(to - from);
         length += from.distance(to);
@@ -91,6 +91,6 @@ pub(crate) fn draw(nodes: usize, seed: u64, size: u32) -> Result<(Picture, Strin
         .with_size(size, size * 5 / 8)
         .with_background(paper, paper)
         .with_ground_height(0.0)
-        .with_camera(Camera::default().with_azimuth(0.35).with_elevation(0.32));
+        .with_camera(Camera::default().with_azimuth(0.35).with_elevation(0.38));
     Ok((preview.draw_parts(&parts)?, measured))
 }

@@ -47,7 +47,7 @@ fn wall(size: Vec3, n: u32) -> Mesh {
 
 /// Hills; and a sphere.
 fn hills() -> Mesh {
-    sheet(40, |u, v| Vec3::new(4.0 * u, (7.0 * u).sin() * (5.0 * v).cos() * 0.4, 4.0 * (1.0 - v)))
+    sheet(20, |u, v| Vec3::new(4.0 * u, (7.0 * u).sin() * (5.0 * v).cos() * 0.4, 4.0 * (1.0 - v)))
 }
 
 fn sphere() -> Mesh {
@@ -122,11 +122,11 @@ fn held(mesh: &Mesh, spacing: f32, seed: u64) -> (Graph, SurfaceNodes) {
 
 #[test]
 fn nodes_and_edges_lie_on_the_surface() {
-    for seed in 1..=4 {
+    for seed in 1..=3 {
         for (name, mesh) in
             [("hills", hills()), ("sphere", sphere()), ("wall", wall(Vec3::new(3.0, 2.0, 0.3), 6))]
         {
-            let (graph, _) = held(&mesh, 0.12, seed);
+            let (graph, _) = held(&mesh, 0.15, seed);
             let reached = graph.hops_from_root().iter().filter(|&&hops| hops < u32::MAX).count();
             assert_eq!(reached, graph.nodes(), "{name}, seed {seed}: not connected");
         }

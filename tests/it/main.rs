@@ -21,6 +21,8 @@ mod mint_vectors;
 mod oracles;
 mod organizing;
 mod outside;
+#[cfg(all(feature = "testing", feature = "preview"))]
+mod phenomena;
 #[cfg(feature = "testing")]
 mod planar;
 #[cfg(feature = "testing")]
