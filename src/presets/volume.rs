@@ -51,12 +51,27 @@ pub(super) const PRESETS: &[Preset] = &[
     Preset::new("figure-13", 13, "Endpoints lower than their sources: branches hang.", hanging)
         .partial(2)
         .like(WILLOW),
-    Preset::new("figure-14-1000", 14, "About 1000 endpoints.", |nodes| dense(nodes, [60, 240, 700]))
-        .like(MAPLE),
-    Preset::new("figure-14-2000", 14, "About 2000 endpoints.", |nodes| dense(nodes, [60, 440, 1500]))
-        .like(MAPLE),
-    Preset::new("figure-14-4000", 14, "About 4000 endpoints.", |nodes| dense(nodes, [60, 940, 3000]))
-        .like(MAPLE),
+    Preset::new(
+        "figure-14-1000",
+        14,
+        "About 1000 endpoints, some 750 of them tips: the others lie on the way to these.",
+        |nodes| dense(nodes, [60, 240, 700]),
+    )
+    .like(MAPLE),
+    Preset::new(
+        "figure-14-2000",
+        14,
+        "About 2000 endpoints, some 1400 of them tips: the others lie on the way to these.",
+        |nodes| dense(nodes, [60, 440, 1500]),
+    )
+    .like(MAPLE),
+    Preset::new(
+        "figure-14-4000",
+        14,
+        "About 4000 endpoints, some 2600 of them tips: the others lie on the way to these.",
+        |nodes| dense(nodes, [60, 940, 3000]),
+    )
+    .like(MAPLE),
 ];
 
 const TALL: Ellipsoid = Ellipsoid::new(Vec3::new(0.0, 6.4, 0.0), Vec3::new(2.1, 3.8, 2.1));

@@ -28,7 +28,8 @@ const MAX_NODES: f32 = 2e7;
 /// A graph on a surface of triangles: Poisson-disc nodes on it, edges along it.
 ///
 /// No two nodes on one side of the surface are nearer than the spacing. (Nodes whose normals differ by more than 120°
-/// lie on different sides, of a wall for example, and do not mind each other.) A node's edges lead to the nearest node in each
+/// lie on different sides, of a wall for example, and do not mind each other.) Hardly a point of the surface is more than one
+/// spacing from a node: 1.05 was the worst of 20,000 measured. A node's edges lead to the nearest node in each
 /// of 8 sectors of its tangent plane, and back.
 ///
 /// What is promised of an edge: it is no longer than 3 spacings, and there is a path on the surface from one end to
