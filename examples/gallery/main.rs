@@ -4,6 +4,7 @@
 
 mod blobs;
 mod growth;
+mod marks;
 mod plane;
 mod shapes;
 mod stands;
@@ -19,7 +20,7 @@ use treesynth::foliage::Leaves;
 use treesynth::guided::{Graph, Search, TreeSynth};
 use treesynth::presets::{self, Preset, Season, TYPICAL_NODES};
 use treesynth::preview::{Picture, Preview};
-use treesynth::surface::{Part, Tubes};
+use treesynth::surface::{Material, Part, Tubes};
 
 type Failure = Box<dyn std::error::Error>;
 
@@ -158,8 +159,14 @@ fn draw(preset: &Preset, options: &Options) -> Result<Vec<Picture>, Failure> {
     }
     let graph = synth.build_graph(preset.seed, &Silent)?;
     let stages = synth.stages().len();
-    let shown = preset.partial_stages.into_iter().chain([stages]);
-    for count in shown {
+    if preset.figure == 11 {
+        pictures.extend(marks::surface(preset, &synth, &graph, options)?);
+        return Ok(pictures);
+    }
+    // Figure 4 shows every iteration.
+    let partial: Vec<usize> =
+        if preset.figure == 4 { (1..stages).collect() } else { preset.partial_stages.into_iter().collect() };
+    for count in partial.into_iter().chain([stages]) {
         let label =
             if count < stages { format!("{}, {count} of {stages}", preset.name) } else { preset.name.into() };
         let mut picture = draw_stages(preset, &synth, &graph, count, Season::Winter, options)?;
@@ -186,7 +193,10 @@ fn draw_stages(
     let mesh = Tubes::default().mesh(&tree)?;
     let leaves = preset.foliage(season).map(|foliage| foliage.place(&tree, preset.seed)).transpose()?;
     let bark = Part::new(&mesh).with_material(preset.bark());
-    let parts: Vec<_> = [bark].into_iter().chain(leaves.as_ref().map(Leaves::part)).collect();
+    let mut parts: Vec<_> = [bark].into_iter().chain(leaves.as_ref().map(Leaves::part)).collect();
+    let wires = preset.volume().map(|volume| marks::wires(volume, 0.03)).transpose()?;
+    let blue = Material::bark().with_srgb([70, 110, 190]);
+    parts.extend(wires.as_ref().map(|wires| Part::new(wires).with_material(blue)));
     // A plain background keeps the files small.
     let paper = [0.97, 0.965, 0.955];
     let preview = Preview::default().with_size(options.size, options.size).with_background(paper, paper);

@@ -7,7 +7,8 @@
 //! The fields for whole trees, those of the paper's figure 8, are [`Helix`], [`Rotation`] and
 //! [`SphericalMeridians`]. The primitives to build others from, after Wejchert and Haumann 1991, "Animation
 //! aerodynamics", are [`Uniform`], [`Source`], [`Sink`] and [`Vortex`], put together by [`Sum`] and [`Scale`].
-//! [`FieldFn`] makes a field of a closure.
+//! [`FieldFn`] makes a field of a closure, [`GridField`] one of the vectors that a simulation has left on a grid, in memory or
+//! in a file.
 //!
 //! Constructors accept anything; [`VectorField::check`] says what is wrong, once, where synthesis starts.
 //!
@@ -21,12 +22,14 @@
 //! ```
 
 mod combine;
+mod grid;
 mod primitive;
 #[cfg(test)]
 mod tests;
 mod whole_tree;
 
 pub use combine::{FieldFn, Scale, Sum};
+pub use grid::{GridField, GridFieldError};
 pub use primitive::{Sink, Source, Uniform, Vortex};
 pub use whole_tree::{Helix, Rotation, SphericalMeridians};
 

@@ -29,8 +29,8 @@ pub use endpoint::{
 };
 pub use fork::Fork;
 pub use graph::{
-    Edges, GradedYao, Graph, GraphBuilder, GraphError, Lattice, Leader, NearSurface, PointCloud, PoissonYao,
-    SizingField, SizingFn, Spacing,
+    Edges, GradedYao, Graph, GraphBuilder, GraphError, Lattice, Leader, NearSurface, PointCloud,
+    PoissonDelaunay, PoissonSurface, PoissonYao, SizingField, SizingFn, Spacing, SurfaceNodes,
 };
 pub use refine::Refinement;
 pub use rule::{

@@ -138,8 +138,9 @@ pub(super) const WILLOW: Look = Look {
     }),
 };
 
+/// The bark is as light as it may be and still stand out from white paper in full sun.
 pub(super) const BIRCH: Look = Look {
-    bark: [184, 178, 168],
+    bark: [142, 138, 132],
     summer: [104, 140, 60],
     autumn: [222, 190, 70],
     leaves: Some(|| {

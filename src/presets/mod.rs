@@ -29,6 +29,7 @@ mod look;
 mod organized;
 mod plane;
 mod rotation;
+mod samples;
 mod site;
 mod variety;
 mod volume;
@@ -40,6 +41,7 @@ pub use organized::{Stand, WALL, stand_by_name, stands};
 use crate::foliage::Foliage;
 use crate::guided::{Bend, NearestTo, Stage, TreeSynth};
 use crate::radius::{PipeModel, Taper};
+use crate::shape::Ellipsoid;
 use crate::surface::Material;
 use glam::Vec3;
 use look::Look;
@@ -66,6 +68,7 @@ pub struct Preset {
     pub planar: bool,
     build: fn(usize) -> TreeSynth,
     look: Look,
+    volume: Option<Ellipsoid>,
 }
 
 impl Preset {
@@ -75,7 +78,17 @@ impl Preset {
         caption: &'static str,
         build: fn(usize) -> TreeSynth,
     ) -> Self {
-        Self { name, figure, caption, seed: 1, partial_stages: None, planar: false, build, look: look::ELM }
+        Self {
+            name,
+            figure,
+            caption,
+            seed: 1,
+            partial_stages: None,
+            planar: false,
+            build,
+            look: look::ELM,
+            volume: None,
+        }
     }
 
     const fn seed(mut self, seed: u64) -> Self {
@@ -96,6 +109,16 @@ impl Preset {
     const fn like(mut self, look: Look) -> Self {
         self.look = look;
         self
+    }
+
+    const fn within(mut self, volume: Ellipsoid) -> Self {
+        self.volume = Some(volume);
+        self
+    }
+
+    /// The volume that its figure draws around it: where the endpoints of the second iteration lie. Figure 10 alone has them.
+    pub fn volume(&self) -> Option<Ellipsoid> {
+        self.volume
     }
 
     /// What its bark looks like.
@@ -131,7 +154,9 @@ impl Preset {
 /// All presets, in the order of the figures, then those beyond the paper.
 pub fn all() -> impl Iterator<Item = &'static Preset> {
     [
+        samples::SAMPLES,
         plane::PRESETS,
+        samples::ITERATIONS,
         rotation::PRESETS,
         volume::PRESETS,
         variety::PRESETS,

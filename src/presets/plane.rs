@@ -2,7 +2,7 @@
 
 use super::{Preset, bark, degrees};
 use crate::guided::{
-    Bend, Count, Guided, InShape, Length, NearestTo, PoissonYao, Stage, TreeSynth, WeightFn,
+    Bend, Count, Guided, InShape, Length, NearestTo, PoissonDelaunay, Stage, TreeSynth, WeightFn,
 };
 use crate::shape::Cuboid;
 use glam::Vec3;
@@ -27,10 +27,11 @@ pub(super) const PRESETS: &[Preset] = &[
         .planar(),
 ];
 
-/// The plane x in [-5, 5], y in [0, 10] metres. A twentieth of the nodes of a solid graph is as fine as figure 3.
-fn plane(nodes: usize) -> PoissonYao {
+/// The plane x in [-5, 5], y in [0, 10] metres, and no edges that cross. A fortieth of the nodes of a solid graph is as
+/// fine as figure 3.
+fn plane(nodes: usize) -> PoissonDelaunay {
     let region = Cuboid::new(Vec3::new(-5.0, 0.0, -1.0), Vec3::new(5.0, 10.0, 1.0));
-    PoissonYao::new(region).with_nodes((nodes / 40).max(400)).planar()
+    PoissonDelaunay::new(region).with_nodes((nodes / 40).max(400))
 }
 
 fn path(nodes: usize, weight: impl WeightFn + 'static) -> TreeSynth {

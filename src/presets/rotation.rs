@@ -87,7 +87,7 @@ pub(super) fn ash(nodes: usize) -> TreeSynth {
     round_tree(nodes, Bend::random(degrees(30.0), degrees(120.0), 0.0, 1))
 }
 
-fn elm(nodes: usize) -> TreeSynth {
+pub(super) fn elm(nodes: usize) -> TreeSynth {
     let site = Site::new(14.0, 11.5, nodes);
     let crown = HalfEllipsoid::new(Vec3::Y * 4.0, Vec3::new(4.8, 5.5, 4.8));
     site.tree(0.45)
@@ -97,14 +97,14 @@ fn elm(nodes: usize) -> TreeSynth {
         .stage(site.twigs(2, 4000))
 }
 
-/// The crown's centre is `aside` metres off the root.
+/// All four iterations follow the field. The crown's centre is `aside` metres off the root.
 fn field_tree(nodes: usize, aside: f32, field: impl VectorField + Copy + 'static) -> TreeSynth {
     let crown = Ellipsoid::new(Vec3::new(aside, 5.8, 0.0), Vec3::new(3.8, 3.6, 3.8));
     let rule = FollowField::new(field);
     let site = Site::new(13.0, 11.5, nodes);
     site.tree(0.4)
         .stage(Stage::new(rule.clone(), InShape::poisson_disc(crown, Count::UpTo(45))))
-        .stage(Stage::new(rule, site.surface(3, 400)))
-        .stage(site.twigs(2, 1500))
-        .stage(site.twigs(2, 4000))
+        .stage(Stage::new(rule.clone(), site.surface(3, 400)))
+        .stage(Stage::new(rule.clone(), site.surface(2, 1500)))
+        .stage(Stage::new(rule, site.surface(2, 4000)))
 }

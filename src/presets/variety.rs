@@ -52,10 +52,11 @@ pub(super) const PRESETS: &[Preset] = &[
     Preset::new("figure-17j", 17, "A zelkova: two iterations, no small twigs.", zelkova),
 ];
 
-/// Figure 16: crowns of equal volume, wider and wider.
+/// Figure 16: crowns lower and lower and wider and wider. Of equal volume, the last would be as high as the one before:
+/// with θ = 32° its limbs rise a metre above their endpoints on their way out. So the volume falls a little with the aspect.
 fn crown(nodes: usize, aspect: f32, theta: f32) -> TreeSynth {
-    // height³ / aspect² is the same for all.
-    let height = 6.4 * crate::math::cbrt(aspect * aspect / (0.9 * 0.9));
+    // An exponent of 2/3 would keep the volume, 1 the width.
+    let height = 6.4 * crate::math::powf(aspect / 0.9, 0.82);
     let width = height / aspect;
     let base = 2.0;
     let dome = HalfEllipsoid::with_aspect(Vec3::Y * base, height, aspect);
@@ -100,7 +101,7 @@ fn spindle(nodes: usize) -> TreeSynth {
         .stage(Stage::new(Bend::piecewise(degrees(20.0), 0.0, 1), site.surface(3, 260)))
 }
 
-fn cottonwood(nodes: usize) -> TreeSynth {
+pub(super) fn cottonwood(nodes: usize) -> TreeSynth {
     let site = Site::new(15.0, 11.5, nodes);
     let broad = HalfEllipsoid::new(Vec3::Y * 4.0, Vec3::new(5.2, 5.4, 5.2));
     let higher =

@@ -23,15 +23,24 @@ pub(super) const PRESETS: &[Preset] = &[
     )
     .like(LINDEN),
     Preset::new("figure-10-tall", 10, "A trunk, then a crown in a tall ellipsoid.", |nodes| {
-        crowned(nodes, Ellipsoid::new(Vec3::Y * 6.4, Vec3::new(2.1, 3.8, 2.1)), 9.2)
+        crowned(nodes, TALL, 9.2)
     })
     .partial(2)
+    .within(TALL)
     .like(POPLAR),
     Preset::new("figure-10-wide", 10, "A trunk, then a crown in a wide ellipsoid.", |nodes| {
-        crowned(nodes, Ellipsoid::new(Vec3::Y * 7.4, Vec3::new(4.2, 1.8, 4.2)), 8.0)
+        crowned(nodes, WIDE, 8.0)
     })
     .partial(2)
+    .within(WIDE)
     .like(MAPLE),
+    Preset::new(
+        "figure-11",
+        11,
+        "The nodes three hops off the tree, and those of them in the exclusion zone.",
+        |nodes| excluded(nodes, 0.6),
+    )
+    .partial(2),
     Preset::new("figure-12-t03", 12, "t = 0.3: twigs only in the outer regions.", |nodes| {
         excluded(nodes, 0.3)
     }),
@@ -42,13 +51,31 @@ pub(super) const PRESETS: &[Preset] = &[
     Preset::new("figure-13", 13, "Endpoints lower than their sources: branches hang.", hanging)
         .partial(2)
         .like(WILLOW),
-    Preset::new("figure-14-1000", 14, "About 1000 endpoints.", |nodes| dense(nodes, [60, 240, 700]))
-        .like(MAPLE),
-    Preset::new("figure-14-2000", 14, "About 2000 endpoints.", |nodes| dense(nodes, [60, 440, 1500]))
-        .like(MAPLE),
-    Preset::new("figure-14-4000", 14, "About 4000 endpoints.", |nodes| dense(nodes, [60, 940, 3000]))
-        .like(MAPLE),
+    Preset::new(
+        "figure-14-1000",
+        14,
+        "About 1000 endpoints, some 750 of them tips: the others lie on the way to these.",
+        |nodes| dense(nodes, [60, 240, 700]),
+    )
+    .like(MAPLE),
+    Preset::new(
+        "figure-14-2000",
+        14,
+        "About 2000 endpoints, some 1400 of them tips: the others lie on the way to these.",
+        |nodes| dense(nodes, [60, 440, 1500]),
+    )
+    .like(MAPLE),
+    Preset::new(
+        "figure-14-4000",
+        14,
+        "About 4000 endpoints, some 2600 of them tips: the others lie on the way to these.",
+        |nodes| dense(nodes, [60, 940, 3000]),
+    )
+    .like(MAPLE),
 ];
+
+const TALL: Ellipsoid = Ellipsoid::new(Vec3::new(0.0, 6.4, 0.0), Vec3::new(2.1, 3.8, 2.1));
+const WIDE: Ellipsoid = Ellipsoid::new(Vec3::new(0.0, 7.4, 0.0), Vec3::new(4.2, 1.8, 4.2));
 
 fn bounded(nodes: usize, volume: impl Shape + 'static) -> TreeSynth {
     let site = Site::new(12.0, 12.0, nodes);

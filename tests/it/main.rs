@@ -6,6 +6,8 @@ mod allocations;
 #[cfg(feature = "json")]
 mod bad_input;
 mod blob;
+#[cfg(feature = "testing")]
+mod climbing;
 mod exports;
 mod figures;
 mod foliage;
@@ -21,6 +23,10 @@ mod mint_vectors;
 mod oracles;
 mod organizing;
 mod outside;
+#[cfg(all(feature = "testing", feature = "preview"))]
+mod phenomena;
+#[cfg(feature = "testing")]
+mod planar;
 #[cfg(feature = "testing")]
 mod refinement;
 mod sample;

@@ -4,7 +4,9 @@ use crate::sample::fnv1a;
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
 use treesynth::glam::{Vec2, Vec3, Vec4};
-use treesynth::guided::{Edges, GradedYao, Graph, Lattice, NearSurface, PointCloud, PoissonYao};
+use treesynth::guided::{
+    Edges, GradedYao, Graph, Lattice, NearSurface, PointCloud, PoissonDelaunay, PoissonSurface, PoissonYao,
+};
 use treesynth::shape::{Cuboid, HalfEllipsoid};
 use treesynth::surface::{Implicit, Levels, Mesh, Tubes};
 use treesynth::{GraphBuilder, Silent, Skeleton, presets};
@@ -55,7 +57,20 @@ fn graphs_do_not_depend_on_the_threads() {
         PoissonYao::new(region).with_nodes(20_000).build(5, &Silent).expect("a graph").positions().to_vec();
     let dome = HalfEllipsoid::new(Vec3::ZERO, Vec3::new(3.0, 2.0, 5.0));
     let sizing = NearSurface::new(dome, 1.0, 5.0, 2.0);
-    let builders: [(&str, Box<dyn GraphBuilder>); 8] = [
+    // Two hills side by side, the way up one of them steeper.
+    let hills = |i: u32| {
+        Vec3::new(
+            (i % 40) as f32 * 0.1,
+            (i % 40).min(30) as f32 * (i / 40) as f32 * 0.002,
+            (i / 40) as f32 * 0.1,
+        )
+    };
+    let squares = (0..39 * 39).map(|i| i / 39 * 40 + i % 39);
+    let triangles = squares.flat_map(|i| [[i, i + 40, i + 1], [i + 1, i + 40, i + 41]]).collect();
+    let surface = PoissonSurface::new((0..1600).map(hills).collect(), triangles);
+    let builders: [(&str, Box<dyn GraphBuilder>); 10] = [
+        ("surface", Box::new(surface.with_nodes(5_000))),
+        ("delaunay", Box::new(PoissonDelaunay::new(region).with_nodes(10_000))),
         ("poisson", Box::new(PoissonYao::new(region).with_nodes(60_000))),
         ("dome", Box::new(PoissonYao::new(dome).with_nodes(30_000).with_sectors(12))),
         ("plane", Box::new(PoissonYao::new(region).with_nodes(30_000).planar())),
@@ -81,6 +96,17 @@ fn a_graded_graph_is_the_same_as_ever() {
     let builder = GradedYao::new(region, NearSurface::new(dome, 0.15, 0.5, 1.0));
     let graph = builder.build(7, &Silent).expect("a graph");
     assert_eq!(graph_hash(&graph), 0x4e6e_7f28_bf32_0df7);
+}
+
+#[test]
+fn planar_and_surface_graphs_are_the_same_as_ever() {
+    let region = Cuboid::new(Vec3::new(-3.0, 0.0, -3.0), Vec3::new(3.0, 6.0, 3.0));
+    let plane = PoissonDelaunay::new(region).with_nodes(2_000).build(7, &Silent).expect("a graph");
+    let corners = vec![Vec3::ZERO, Vec3::X, Vec3::X + Vec3::Y, Vec3::Y, Vec3::Y + Vec3::Z, Vec3::Z];
+    let triangles = vec![[0, 1, 2], [0, 2, 3], [5, 0, 3], [5, 3, 4]];
+    let walls = PoissonSurface::new(corners, triangles).with_nodes(1_000).build(7, &Silent).expect("a graph");
+    let found = [&plane, &walls].map(graph_hash);
+    assert_eq!(found, [0x9e1a_2fe0_f8fa_7f32, 0xc939_d4a0_4543_67cc], "{found:#x?}");
 }
 
 #[test]

@@ -2,10 +2,12 @@
 
 mod bvh;
 mod cloud;
+mod delaunay;
 mod graded;
 mod leader;
 mod leaf;
 mod local;
+mod mesh;
 mod octree;
 mod planted;
 mod poisson;
@@ -17,9 +19,11 @@ mod tiles;
 mod yao;
 
 pub use cloud::{Edges, Lattice, PointCloud};
+pub use delaunay::PoissonDelaunay;
 pub use graded::GradedYao;
 pub use leader::Leader;
 pub(super) use local::around_tree;
+pub use mesh::{PoissonSurface, SurfaceNodes};
 pub(super) use planted::{Carried, Planted};
 pub use poisson::PoissonYao;
 pub(super) use sectors::Sectors;

@@ -45,14 +45,23 @@ fn figure_16() {
     let trees = ["figure-16-15", "figure-16-09", "figure-16-05", "figure-16-03"]
         .map(|name| Tree::of(name, 60_000, 1));
     let metrics = trees.each_ref().map(|tree| Metrics::of(tree.skeleton()));
+    // Each lower than the one before, up to its highest tip.
+    for seed in 1..=6 {
+        let heights = ["figure-16-03", "figure-16-05", "figure-16-09", "figure-16-15"]
+            .map(|name| Metrics::of(Tree::of(name, 60_000, seed).skeleton()).height as f32);
+        ascending(
+            "tops",
+            &[heights[0] + 0.2, heights[1], heights[1] + 0.8, heights[2], heights[2] + 0.8, heights[3]],
+        );
+    }
     // A tree's one farthest tip is luck: what most of the nodes keep within.
     let [a, b, c, d] = trees.each_ref().map(|tree| {
         let across = |p: &Vec3| p.with_y(0.0).length() * 2.0;
         quantile(tree.positions().iter().map(across), 0.95)
     });
-    ascending("widths", &[a + 0.8, b, b + 0.8, c, c + 0.8, d]); // 7.0, 8.3, 10.2, 12.2
+    ascending("widths", &[a + 0.5, b, b + 0.8, c, c + 0.8, d]); // 7.4, 8.3, 9.5, 10.7
     let [a, b, c, d] = trees.each_ref().map(|tree| quantile(tree.positions().iter().map(|p| p.y), 0.85));
-    ascending("heights", &[c.max(d) + 0.5, b, b + 1.0, a]); // 9.3, 7.5, 6.0, 5.8
+    ascending("heights", &[d + 0.2, c, c + 0.5, b, b + 1.0, a]);
     let lengths = metrics.map(|metrics| metrics.total_length as f32);
     ascending("as dense", &[lengths[3], lengths[0] * 1.35]); // 2760 to 3290 m
     // With the first tree's θ the branches of the last would end 33° steeper.

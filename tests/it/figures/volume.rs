@@ -20,11 +20,33 @@ fn figure_09() {
 
 #[test]
 fn figure_10() {
+    // The volume drawn is that of the second iteration's endpoints.
+    for preset in presets::all() {
+        assert_eq!(preset.volume().is_some(), preset.figure == 10, "{}", preset.name);
+        let Some(volume) = preset.volume() else { continue };
+        let tree = Tree::partial(preset.name, NODES, 1, 2);
+        let inside = |&node: &u32| volume.contains(tree.graph.position(node));
+        assert!(tree.growth.endpoints[1].len() > 60 && tree.growth.endpoints[1].iter().all(inside));
+    }
     let tall = Tree::of("figure-10-tall", 40_000, 1);
     let wide = tall.as_preset("figure-10-wide");
     ascending("whole trees", &[tall.width_over_height(), 0.75, 0.95, wide.width_over_height()]); // 0.66, 1.03
     let (tall, wide) = (tall.after(2), wide.after(2));
     ascending("two iterations", &[tall.width_over_height(), 0.5, 0.8, wide.width_over_height()]); // 0.40, 0.90
+}
+
+#[test]
+fn figures_01_04_and_11() {
+    let of = |figure| presets::all().filter(move |preset| preset.figure == figure).collect::<Vec<_>>();
+    assert_eq!([of(1).len(), of(4).len(), of(11).len()], [3, 1, 1]);
+    // Each iteration of figure 4 adds branches, finer ones.
+    let tree = Tree::of("figure-04", 40_000, 1);
+    assert_eq!(tree.stages.len(), 4);
+    let tips: Vec<f32> = (1..=4).map(|stages| tree.after(stages).skeleton().tips().count() as f32).collect();
+    ascending("tips", &[tips[0], 2.0, tips[1], 100.0, tips[2], 1000.0, tips[3]]);
+    // The tree of figure 11 is that of figure 12 with t = 0.6.
+    let eleven = Tree::of("figure-11", NODES, 1);
+    assert_eq!(eleven.skeleton(), Tree::of("figure-12-t06", NODES, 1).skeleton());
 }
 
 #[test]
