@@ -2,11 +2,8 @@
 
 use super::weave::Plan;
 use super::{Mesh, Tubes};
-use crate::testing::skeletons;
-use crate::{Skeleton, presets, variational};
+use crate::Skeleton;
 use glam::{DVec3, Vec3};
-use proptest::prelude::*;
-use proptest::test_runner::{Config, RngAlgorithm, TestRng, TestRunner};
 use std::ops::Range;
 
 /// The largest gap between a tube's first ring and the wood that bears it: metres, and radii of the tube.
@@ -200,120 +197,129 @@ fn gaps(skeleton: &Skeleton, options: &Tubes) -> Vec<Gap> {
     gaps
 }
 
-/// Fails where a tube of these skeletons floats; says how many do and which is worst.
-fn hold(name: &str, skeletons: &[Skeleton], options: &Tubes) {
-    for skeleton in skeletons.iter().filter(|skeleton| skeleton.segments() > 0) {
-        let gaps = gaps(skeleton, options);
-        let floating = gaps.iter().filter(|gap| gap.floats());
-        if let Some(worst) = floating.clone().max_by(|a, b| a.gap.total_cmp(&b.gap)) {
-            panic!("{name}: {} of {} tubes float, the worst {worst:?}", floating.count(), gaps.len());
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::testing::skeletons;
+    use crate::{presets, variational};
+    use proptest::prelude::*;
+    use proptest::test_runner::{Config, RngAlgorithm, TestRng, TestRunner};
+
+    /// Fails where a tube of these skeletons floats; says how many do and which is worst.
+    fn hold(name: &str, skeletons: &[Skeleton], options: &Tubes) {
+        for skeleton in skeletons.iter().filter(|skeleton| skeleton.segments() > 0) {
+            let gaps = gaps(skeleton, options);
+            let floating = gaps.iter().filter(|gap| gap.floats());
+            if let Some(worst) = floating.clone().max_by(|a, b| a.gap.total_cmp(&b.gap)) {
+                panic!("{name}: {} of {} tubes float, the worst {worst:?}", floating.count(), gaps.len());
+            }
         }
     }
-}
 
-/// The trees of all presets of the four systems, with so many nodes for each preset of the first two.
-fn hold_presets(seeds: u64, nodes: usize, shape_nodes: usize, options: &Tubes) {
-    for seed in 0..seeds {
-        for preset in presets::all() {
-            let tree = preset.synth(nodes).synthesize(preset.seed + seed).expect("a tree");
-            let relaxed = tree.clone().relaxed(0.5, 3).expect("sound options");
-            hold(preset.name, &[tree, relaxed], options);
+    /// The trees of all presets of the four systems, with so many nodes for each preset of the first two.
+    fn hold_presets(seeds: u64, nodes: usize, shape_nodes: usize, options: &Tubes) {
+        for seed in 0..seeds {
+            for preset in presets::all() {
+                let tree = preset.synth(nodes).synthesize(preset.seed + seed).expect("a tree");
+                let relaxed = tree.clone().relaxed(0.5, 3).expect("sound options");
+                hold(preset.name, &[tree, relaxed], options);
+            }
+            for preset in variational::presets() {
+                let synth = preset.synth(shape_nodes).expect("enough shape nodes");
+                hold(preset.name, &[synth.synthesize(preset.seed + seed).expect("a tree")], options);
+            }
         }
-        for preset in variational::presets() {
-            let synth = preset.synth(shape_nodes).expect("enough shape nodes");
-            hold(preset.name, &[synth.synthesize(preset.seed + seed).expect("a tree")], options);
+    }
+
+    #[test]
+    fn tubes_touch_what_bears_them() {
+        hold_presets(2, 5_000, 300, &Tubes::default());
+    }
+
+    #[test]
+    fn tubes_of_stands_touch_what_bears_them() {
+        for stand in presets::stands() {
+            let mut forest = stand.plant(stand.seed).expect("a preset");
+            forest.grow(stand.seasons.min(12)).expect("seasons");
+            hold(stand.name, &forest.skeletons().expect("skeletons"), &Tubes::default().with_sides(6));
         }
     }
-}
 
-#[test]
-fn tubes_touch_what_bears_them() {
-    hold_presets(2, 5_000, 300, &Tubes::default());
-}
-
-#[test]
-fn tubes_of_stands_touch_what_bears_them() {
-    for stand in presets::stands() {
-        let mut forest = stand.plant(stand.seed).expect("a preset");
-        forest.grow(stand.seasons.min(12)).expect("seasons");
-        hold(stand.name, &forest.skeletons().expect("skeletons"), &Tubes::default().with_sides(6));
-    }
-}
-
-#[test]
-fn tubes_of_grown_trees_touch_what_bears_them() {
-    for preset in presets::grown() {
-        let growth = preset.grow(preset.seed).expect("a preset");
-        let ages = preset.ages.iter().map(|age| age.min(14.6));
-        let trees: Vec<Skeleton> = ages.map(|age| growth.at(age).expect("an age").skeleton).collect();
-        hold(preset.name, &trees, &Tubes::default());
-    }
-}
-
-#[test]
-fn tubes_with_an_error_touch_what_bears_them() {
-    for (preset, error) in presets::all().zip([0.001, 0.01, 0.1].into_iter().cycle()) {
-        let tree = preset.synth(5_000).synthesize(preset.seed).expect("a tree");
-        hold(preset.name, &[tree], &Tubes::default().with_error(error).with_wind(true));
-    }
-}
-
-#[test]
-fn tubes_of_any_skeleton_touch_what_bears_them() {
-    let options = [
-        Tubes::default(),
-        Tubes::default().with_error(0.01),
-        Tubes::default().with_sides(3).with_least_sides(3).with_root_flare(3.0),
-    ];
-    // Of 256,000 such tubes none floats, but branches that turn on the spot do as they please: always the same ones.
-    let config = Config { cases: 500, failure_persistence: None, ..Config::default() };
-    let mut runner = TestRunner::new_with_rng(config, TestRng::deterministic_rng(RngAlgorithm::ChaCha));
-    let result = runner.run(&skeletons(40), |skeleton| {
-        for tubes in options.iter().filter(|_| skeleton.segments() > 0) {
-            let gaps = gaps(&skeleton, tubes);
-            let floating: Vec<&Gap> = gaps.iter().filter(|gap| gap.floats()).collect();
-            prop_assert!(floating.is_empty(), "{floating:?}");
+    #[test]
+    fn tubes_of_grown_trees_touch_what_bears_them() {
+        for preset in presets::grown() {
+            let growth = preset.grow(preset.seed).expect("a preset");
+            let ages = preset.ages.iter().map(|age| age.min(14.6));
+            let trees: Vec<Skeleton> = ages.map(|age| growth.at(age).expect("an age").skeleton).collect();
+            hold(preset.name, &trees, &Tubes::default());
         }
-        Ok(())
-    });
-    result.expect("no tube floats");
-}
-
-#[test]
-#[ignore = "takes minutes"]
-fn tubes_of_full_size_touch_what_bears_them() {
-    hold_presets(1, presets::TYPICAL_NODES, 3_500, &Tubes::default());
-    for stand in presets::stands() {
-        let skeletons = stand.grow(stand.seed).expect("a preset").skeletons().expect("skeletons");
-        hold(stand.name, &skeletons, &Tubes::default());
     }
-    for preset in presets::grown() {
-        let growth = preset.grow(preset.seed).expect("a preset");
-        let trees: Vec<Skeleton> =
-            preset.ages.iter().map(|age| growth.at(*age).expect("an age").skeleton).collect();
-        hold(preset.name, &trees, &Tubes::default());
+
+    #[test]
+    fn tubes_with_an_error_touch_what_bears_them() {
+        for (preset, error) in presets::all().zip([0.001, 0.01, 0.1].into_iter().cycle()) {
+            let tree = preset.synth(5_000).synthesize(preset.seed).expect("a tree");
+            hold(preset.name, &[tree], &Tubes::default().with_error(error).with_wind(true));
+        }
     }
-}
 
-#[test]
-fn gaps_are_found() {
-    let pole = Body::of_triangles(square_pole());
-    assert!(pole.outside(DVec3::new(0.0, 0.5, 0.0)) == 0.0);
-    assert!((pole.outside(DVec3::new(3.0, 0.5, 0.0)) - 2.0).abs() < 1e-9);
-    assert!((pole.outside(DVec3::new(0.0, 1.25, 0.0)) - 0.25).abs() < 1e-9);
-}
+    #[test]
+    fn tubes_of_any_skeleton_touch_what_bears_them() {
+        let options = [
+            Tubes::default(),
+            Tubes::default().with_error(0.01),
+            Tubes::default().with_sides(3).with_least_sides(3).with_root_flare(3.0),
+        ];
+        // Of 256,000 such tubes none floats, but branches that turn on the spot do as they please: always the same ones.
+        let config = Config { cases: 500, failure_persistence: None, ..Config::default() };
+        let mut runner = TestRunner::new_with_rng(config, TestRng::deterministic_rng(RngAlgorithm::ChaCha));
+        let result = runner.run(&skeletons(40), |skeleton| {
+            for tubes in options.iter().filter(|_| skeleton.segments() > 0) {
+                let gaps = gaps(&skeleton, tubes);
+                let floating: Vec<&Gap> = gaps.iter().filter(|gap| gap.floats()).collect();
+                prop_assert!(floating.is_empty(), "{floating:?}");
+            }
+            Ok(())
+        });
+        result.expect("no tube floats");
+    }
 
-/// A closed box around the y axis, 2 m wide and 1 m high.
-fn square_pole() -> Vec<[DVec3; 3]> {
-    let corner = |turn: usize, y: f64| {
-        let [x, z] = [[1.0, 1.0], [1.0, -1.0], [-1.0, -1.0], [-1.0, 1.0]][turn % 4];
-        DVec3::new(x, y, z)
-    };
-    let (bottom, top) = (DVec3::ZERO, DVec3::Y);
-    let side = |turn: usize| {
-        let [a, b] = [corner(turn, 0.0), corner(turn + 1, 0.0)];
-        let [c, d] = [corner(turn, 1.0), corner(turn + 1, 1.0)];
-        [[a, b, d], [a, d, c], [bottom, b, a], [top, c, d]]
-    };
-    (0..4).flat_map(side).collect()
+    #[test]
+    #[ignore = "takes minutes"]
+    fn tubes_of_full_size_touch_what_bears_them() {
+        hold_presets(1, presets::TYPICAL_NODES, 3_500, &Tubes::default());
+        for stand in presets::stands() {
+            let skeletons = stand.grow(stand.seed).expect("a preset").skeletons().expect("skeletons");
+            hold(stand.name, &skeletons, &Tubes::default());
+        }
+        for preset in presets::grown() {
+            let growth = preset.grow(preset.seed).expect("a preset");
+            let trees: Vec<Skeleton> =
+                preset.ages.iter().map(|age| growth.at(*age).expect("an age").skeleton).collect();
+            hold(preset.name, &trees, &Tubes::default());
+        }
+    }
+
+    #[test]
+    fn gaps_are_found() {
+        let pole = Body::of_triangles(square_pole());
+        assert!(pole.outside(DVec3::new(0.0, 0.5, 0.0)) == 0.0);
+        assert!((pole.outside(DVec3::new(3.0, 0.5, 0.0)) - 2.0).abs() < 1e-9);
+        assert!((pole.outside(DVec3::new(0.0, 1.25, 0.0)) - 0.25).abs() < 1e-9);
+    }
+
+    /// A closed box around the y axis, 2 m wide and 1 m high.
+    fn square_pole() -> Vec<[DVec3; 3]> {
+        let corner = |turn: usize, y: f64| {
+            let [x, z] = [[1.0, 1.0], [1.0, -1.0], [-1.0, -1.0], [-1.0, 1.0]][turn % 4];
+            DVec3::new(x, y, z)
+        };
+        let (bottom, top) = (DVec3::ZERO, DVec3::Y);
+        let side = |turn: usize| {
+            let [a, b] = [corner(turn, 0.0), corner(turn + 1, 0.0)];
+            let [c, d] = [corner(turn, 1.0), corner(turn + 1, 1.0)];
+            [[a, b, d], [a, d, c], [bottom, b, a], [top, c, d]]
+        };
+        (0..4).flat_map(side).collect()
+    }
 }
