@@ -29,8 +29,12 @@ const CORE: f32 = 0.5;
 const OFF_AXIS: f32 = 0.5;
 /// How near to its bearer's surface the way out is looked for, in radii of the branch.
 const TOLERANCE: f32 = 0.1;
+/// The same of a collar whose branch bends before it is as clear as that.
+const BARELY: f32 = 0.1;
 /// How near to that clearance a collar ends, in radii of the branch.
 const NEAR: f32 = 0.25;
+/// How far off its straight tube a branch with a collar can be, in radii of the branch.
+const WAYWARD: f32 = 0.7;
 /// The shortest way from a collar to the next ring, in radii of the branch.
 const SHORTEST: f32 = 0.25;
 
@@ -89,8 +93,9 @@ impl Collar {
     pub(super) fn of(axes: &Axes, axis: &Axis, bearer: usize, base: &Near) -> Option<Self> {
         let wood = axes.wood(bearer);
         let stations = &axes.stations[axis.stations.clone()];
-        // The last ring that is well within the bearer, from which the way out is straight.
-        let (mut within, mut start) = (axis.base, *base);
+        let mut inside = Inside { number: 0, station: axis.base, near: *base };
+        // Where the first ring is that is out of the bearer, though not clear of it.
+        let mut out = None;
         let mut ring = base.place.ring;
         // How far a ring is outside of the bearer, less the clearance.
         let mut outside = |position: Vec3, tangent: Vec3, radius: f32| {
@@ -100,18 +105,21 @@ impl Collar {
             let reach = (1.0 - sideways * sideways).max(0.0).sqrt();
             (near.outside() - radius * (reach + CLEARANCE), near)
         };
-        let mut before = -base.radius - within.radius;
+        let mut before = -base.radius - axis.base.radius;
+        let mut clear = None;
         for (i, pair) in stations.windows(2).enumerate() {
             let [from, to] = [&pair[0], &pair[1]];
-            let longest = within.along + LONGEST * (start.radius + within.radius);
-            if from.along > longest {
-                return None;
+            if from.along > inside.farthest() {
+                break;
             }
             let (after, near) = outside(to.position, to.tangent, to.radius);
             if after < 0.0 {
                 before = after;
                 if near.distance <= OFF_AXIS * near.radius {
-                    (within, start) = (*to, near);
+                    inside = Inside { number: i + 1, station: *to, near };
+                    out = None;
+                } else if out.is_none() && after >= (BARELY - CLEARANCE) * to.radius {
+                    out = Some(i + 1);
                 }
                 continue;
             }
@@ -130,34 +138,63 @@ impl Collar {
             }
             let too_near = (1.0 - part) * way.length() < SHORTEST * to.radius;
             let end = if too_near { *to } else { from.lerp(to, part) };
-            let next = axis.stations.start + i + 1 + usize::from(too_near);
-            let sound = start.radius > 0.0 && end.radius > 0.0 && end.along <= longest;
-            return sound.then(|| Self {
-                start: straight(&within, &start, &end),
-                bearing: start.place.ring,
-                end,
-                next,
-            });
+            clear = inside.collar(stations, &end, i + 1 + usize::from(too_near));
+            break;
         }
-        None
+        let collar = clear.or_else(|| inside.collar(stations, stations.get(out?)?, out? + 1))?;
+        Some(Self { next: axis.stations.start + collar.next, ..collar })
     }
 }
 
-/// The start of the straight tube from about `within` to `end`, so near to the bearer's axis and so thin that it is
-/// within the bearer.
-fn straight(within: &Station, near: &Near, end: &Station) -> Station {
-    let most = OFF_AXIS * near.radius;
-    let off = if near.distance > most { near.way * (1.0 - most / near.distance) } else { Vec3::ZERO };
-    let position = within.position - off;
-    let tangent = (end.position - position).normalize_or(end.tangent);
-    Station {
-        position,
-        radius: CORE * end.radius.min(THICKEST * near.radius - near.distance.min(most)),
-        tangent,
-        along: within.along,
-        normal: parallel_transport(end.tangent, tangent, end.normal),
-        taper: 0.0,
+/// The last station of a branch that is well within its bearer; from there the way out is straight.
+struct Inside {
+    number: usize,
+    station: Station,
+    near: Near,
+}
+
+impl Inside {
+    /// Where the longest collar from here ends, metres from the root.
+    fn farthest(&self) -> f32 {
+        self.station.along + LONGEST * (self.near.radius + self.station.radius)
     }
+
+    /// The collar from here to `end`, which lies before station `next`; `None` if the branch does not go straight there.
+    fn collar(&self, stations: &[Station], end: &Station, next: usize) -> Option<Collar> {
+        if self.near.radius <= 0.0 || end.radius <= 0.0 || end.along > self.farthest() {
+            return None;
+        }
+        let start = self.start(end);
+        let between = stations.get(self.number + 1..next - 1).unwrap_or_default();
+        let collar = Collar { start, bearing: self.near.place.ring, end: *end, next };
+        is_straight(&start, between, end).then_some(collar)
+    }
+
+    /// The start of the straight tube to `end`, so near to the bearer's axis and so thin that it is within the bearer.
+    fn start(&self, end: &Station) -> Station {
+        let (near, within) = (&self.near, &self.station);
+        let most = OFF_AXIS * near.radius;
+        let off = if near.distance > most { near.way * (1.0 - most / near.distance) } else { Vec3::ZERO };
+        let position = within.position - off;
+        let tangent = (end.position - position).normalize_or(end.tangent);
+        Station {
+            position,
+            radius: CORE * end.radius.min(THICKEST * near.radius - near.distance.min(most)),
+            tangent,
+            along: within.along,
+            normal: parallel_transport(end.tangent, tangent, end.normal),
+            taper: 0.0,
+        }
+    }
+}
+
+/// Whether some stations between two others are near the straight way between these.
+fn is_straight(start: &Station, between: &[Station], end: &Station) -> bool {
+    between.iter().all(|station| {
+        let way = station.position - start.position;
+        let off = way - start.tangent * way.dot(start.tangent);
+        off.length_squared() <= (WAYWARD * end.radius) * (WAYWARD * end.radius)
+    })
 }
 
 /// The curve of each vertex of the first level ring of an axis with a collar, the last group of four filled up with

@@ -13,7 +13,7 @@ use std::f32::consts::PI;
 /// What it guarantees: triangles face outward and have an area; normals are of unit length, tangents too and
 /// perpendicular to them; the same skeleton gives the same bits; axes go through the nodes, and the radius at a node is
 /// the skeleton's, but for the [root flare](Self::with_root_flare) and within an [error](Self::with_error) that was
-/// asked for. What it does not: the collar lies on the bearing
+/// asked for; every tube but the trunk touches the wood that bears it. What it does not: the collar lies on the parent
 /// branch and is not cut out of it, so that triangles within cross, and the mesh is not watertight; where a branch
 /// bends more tightly than it is thick, its own rings may cross.
 ///
@@ -23,8 +23,11 @@ use std::f32::consts::PI;
 /// single vertex in place of a ring. Where a branch turns back by more than 120° the tube ends and another begins.
 /// The trunk's first ring is level, so that a leaning trunk does not gape at the ground.
 ///
-/// **Collars**: a branch flares into its bearer in a round fillet that shares the bearer's normals. A branch that
-/// runs on beside its bearer for more than eight times their radii has none, and begins within it, thinner by 40%.
+/// **Collars**: a branch flares into its parent branch in a round fillet that shares that branch's normals. Each tube
+/// begins on the triangles of its parent branch or within it, whatever way that bends, tapers or flares; where its base
+/// lies within what bears the parent branch, it comes out of that instead. A branch that runs on beside its parent
+/// branch for more than eight times their radii, or bends as it leaves, has no collar, and begins within that branch,
+/// thinner by 40%.
 ///
 /// **Texture coordinates** count squares of bark of one [size](Self::with_tile): v is metres from the root along
 /// the axes, over that size, and runs on from a branch to what it bears; u is metres around the branch's first ring,

@@ -172,7 +172,7 @@ impl<'a> Wood<'a> {
         } else {
             above.position + upper * above.radius - (to - from) * (1.0 - place.part)
         };
-        let inward = lower.lerp(upper, place.part) * depth;
+        let inward = lower.lerp(upper, place.part).normalize_or_zero() * depth;
         // The normals of a cone lean against its taper.
         let (lower, upper) = (lower - below.tangent * below.taper, upper - above.tangent * above.taper);
         (point - inward, lower.lerp(upper, place.part))
