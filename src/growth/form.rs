@@ -213,7 +213,9 @@ impl<'a> Layout<'a> {
                     } else {
                         from + (shoot.length - from) * sums.sums[k as usize]
                     };
-                    if i == last && along <= at.along {
+                    // Asked of the parts and not of the lengths: internodes may be shorter than a float's step.
+                    let below = if k > 0 { sums.sums[k as usize - 1] } else { 0.0 };
+                    if i == last && sums.sums[k as usize] <= below {
                         // Not yet unfolded, nor are those above it.
                         break;
                     }
