@@ -3,7 +3,7 @@
 use glam::DVec3;
 
 use super::draft::{Draft, Lists};
-use super::energy::{Wish, deviations};
+use super::energy::{Soft, Wish, deviations};
 use crate::parallel;
 
 /// The exponents and weights of the energy, in the units of the shape.
@@ -42,19 +42,8 @@ impl Terms {
     }
 }
 
-/// How the kinks of the energy are rounded off, so that it has a slope everywhere.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct Soft {
-    /// Lengths are sqrt(l² + soft²), metres.
-    pub(super) length: f64,
-    /// Deviations are sqrt(x² + soft²) - soft.
-    pub(super) deviation: f64,
-}
-
-impl Soft {
-    /// Not at all.
-    pub(super) const NONE: Self = Self { length: 0.0, deviation: 0.0 };
-}
+/// The square of the sine below which a turn fades, see [`Soft::turn`].
+const TURN: f64 = 0.04;
 
 /// Branch nodes that one task looks after.
 const CHUNK: usize = 1024;
@@ -134,7 +123,7 @@ impl<'a> Model<'a> {
         }
         let mu = self.weights.mu;
         let add = |node: usize, by: DVec3| slope[node] += by * mu;
-        terms.penalty = deviations(positions, self.parents, self.wishes, &self.thick, soft.deviation, add);
+        terms.penalty = deviations(positions, self.parents, self.wishes, &self.thick, soft, add);
         if let Some(gradient) = gradient {
             slope[0] = DVec3::ZERO;
             *gradient = slope;
@@ -158,13 +147,25 @@ impl<'a> Model<'a> {
             .collect();
         let mut to_parent = vec![0.0; count];
         for node in 1..count {
-            let way = positions[node] - positions[self.parents[node] as usize];
+            let parent = self.parents[node] as usize;
+            let way = positions[node] - positions[parent];
             // What is asked of an internode resists too, over about the length asked for.
             let wished = self.wishes[node].length.min(way.length()).max(soft.length);
             let spring = stiff(self.thick[node], way)
                 + self.weights.mu * self.thick[node] / (4.0 * soft.deviation * wished);
-            to_parent[node] = spring;
-            own[node] += spring;
+            to_parent[node] += spring;
+            // A turn resists by its distance from the axis, be it ever so small.
+            let Some((mate, _)) = self.wishes[node].turn.filter(|_| parent > 0) else { continue };
+            let before = positions[self.parents[parent] as usize];
+            let axis = (positions[parent] - before).normalize_or_zero();
+            let stiff = self.weights.mu * self.thick[node] * self.wishes[node].length / (4.0 * soft.deviation);
+            for (turned, way) in [(node, way), (mate as usize, positions[mate as usize] - before)] {
+                let aside = (way - axis * way.dot(axis)).length_squared() + TURN * way.length_squared();
+                to_parent[turned] += stiff / (aside + soft.length * soft.length);
+            }
+        }
+        for node in 1..count {
+            own[node] += to_parent[node];
         }
         let mut right = slope.to_vec();
         for node in (1..count).rev() {

@@ -5,10 +5,10 @@ use std::sync::Arc;
 use glam::{DVec3, Vec3};
 
 use super::draft::Draft;
-use super::energy::Wish;
+use super::energy::{Soft, Wish};
 use super::guidance::GuidanceShape;
 use super::level::Level;
-use super::model::{Model, Nodes, Soft, Terms, Weights};
+use super::model::{Model, Nodes, Terms, Weights};
 use super::update::descend;
 use crate::observer::{Cancelled, Observer, Silent, Work, report};
 use crate::radius::{RadiusError, RadiusModel, Variational};
@@ -371,7 +371,7 @@ impl VariationalSynth {
             flows,
             unit,
         };
-        (nodes, weights, Soft { length: 1e-4 * size, deviation: 0.05 })
+        (nodes, weights, Soft { length: 1e-4 * size, deviation: 0.05, turn: 0.2 })
     }
 
     fn finish(&self, draft: Draft, trace: Vec<Step>, best: usize) -> Result<Growth, VariationalError> {
