@@ -23,6 +23,7 @@
 
 mod draft;
 mod energy;
+mod graft;
 mod guidance;
 mod letter;
 mod level;

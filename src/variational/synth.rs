@@ -6,6 +6,7 @@ use glam::{DVec3, Vec3};
 
 use super::draft::Draft;
 use super::energy::{Soft, Wish};
+use super::graft::Graft;
 use super::guidance::GuidanceShape;
 use super::level::Level;
 use super::model::{Model, Nodes, Terms, Weights};
@@ -46,7 +47,7 @@ pub struct VariationalSynth {
     least_cluster: usize,
     prune_order: u32,
     refinements: u32,
-    radius: Arc<dyn RadiusModel>,
+    radius: Option<Arc<dyn RadiusModel>>,
 }
 
 impl std::fmt::Debug for VariationalSynth {
@@ -117,6 +118,13 @@ pub enum StepKind {
         /// The level, from 0.
         level: usize,
     },
+    /// Hung subtrees on other branch nodes, where that saves. Within a level, F never rises.
+    Rehanging {
+        /// The level, from 0.
+        level: usize,
+    },
+    /// Hung shape nodes on internodes nearby, and gathered what was too many for a node on twigs.
+    Twigs,
     /// Pruned the nodes of low order, and partitioned the shape among the others.
     Refinement {
         /// The highest order that was pruned.
@@ -176,8 +184,8 @@ impl VariationalSynth {
             rounds: 6,
             least_cluster: 3,
             prune_order: 3,
-            refinements: 6,
-            radius: Arc::new(Variational::default()),
+            refinements: 3,
+            radius: None,
         }
     }
 
@@ -223,17 +231,17 @@ impl VariationalSynth {
     }
 
     /// Sets how often the topology is refined at most, up to 1000, and the order up to which branches are pruned, in
-    /// [1, 1000]; 6 times and 3 by default. It ends before when three times in a row the
+    /// [1, 1000]; 3 times and 3 by default. It ends before when twice in a row the
     /// energy has not fallen below the least so far.
     pub fn with_refinements(mut self, times: u32, prune_order: u32) -> Self {
         (self.refinements, self.prune_order) = (times, prune_order);
         self
     }
 
-    /// Sets the thickness of the finished tree; by default equation 2 on equal tips, the foot 30 cm across. The energy's
-    /// diameters are always those of the shape nodes.
+    /// Sets the thickness of the finished tree; by default equation 2 on equal tips, the trunk base a 36th of the tree's size
+    /// across. The energy's diameters are always those of the shape nodes.
     pub fn with_radius(mut self, radius: impl RadiusModel + 'static) -> Self {
-        self.radius = Arc::new(radius);
+        self.radius = Some(Arc::new(radius));
         self
     }
 
@@ -299,7 +307,7 @@ impl VariationalSynth {
             self.root,
             "at most 100 times the shape's size away from it",
         )?;
-        self.radius.check()
+        self.radius.as_ref().map_or(Ok(()), RadiusModel::check)
     }
 
     /// The tree of `seed`.
@@ -330,7 +338,7 @@ impl VariationalSynth {
             done: 0,
         };
         let mut least = run.levels()?;
-        let mut best = (run.draft.clone(), run.trace.len() - 1);
+        let mut best = run.draft.clone();
         let mut in_vain = 0;
         for _ in 0..self.refinements {
             run.refine();
@@ -338,14 +346,16 @@ impl VariationalSynth {
             in_vain += 1;
             if found < least {
                 (least, in_vain) = (found, 0);
-                best = (run.draft.clone(), run.trace.len() - 1);
+                best = run.draft.clone();
             }
             if in_vain == PATIENCE {
                 break;
             }
         }
-        let (draft, best) = best;
-        let growth = self.finish(draft, run.trace, best)?;
+        run.draft = best;
+        run.twigs();
+        let best = run.trace.len() - 1;
+        let growth = self.finish(run.draft, run.trace, best)?;
         report(observer, Work::Optimization, 1.0)?;
         Ok(growth)
     }
@@ -374,6 +384,12 @@ impl VariationalSynth {
         (nodes, weights, Soft { length: 1e-4 * size, deviation: 0.05, turn: 0.2 })
     }
 
+    /// How far the farthest shape node is from the root, metres.
+    fn size(&self) -> f32 {
+        let away = |place: &Vec3| place.distance(self.root);
+        self.shape.positions().iter().map(away).fold(f32::MIN_POSITIVE, f32::max)
+    }
+
     fn finish(&self, draft: Draft, trace: Vec<Step>, best: usize) -> Result<Growth, VariationalError> {
         let branch_nodes = draft.len();
         let mut positions: Vec<Vec3> = draft.positions.iter().map(|position| position.as_vec3()).collect();
@@ -387,7 +403,10 @@ impl VariationalSynth {
             stages.push(stages[owner as usize] + 1);
         }
         let skeleton = Skeleton::new(positions, parents)?.with_stages(stages)?;
-        let radii = self.radius.radii(&skeleton)?;
+        let radii = match &self.radius {
+            Some(radius) => radius.radii(&skeleton)?,
+            None => Variational::default().with_trunk_diameter(self.size() / SLENDERNESS).radii(&skeleton)?,
+        };
         let skeleton = skeleton.with_radii(radii)?;
         Ok(Growth { skeleton, branch_nodes, wishes: draft.wishes, trace, best })
     }
@@ -440,12 +459,48 @@ impl Run<'_> {
             let terms = self.terms(&self.draft);
             total = self.note(StepKind::Initialization { level }, terms);
             total = self.settle(level, total);
+            self.draft.feed_laterals(&self.nodes.places);
             self.draft.drop_idle();
             let mut next = self.draft.clone();
-            next.contract();
+            next.contract(usize::MAX / 2);
             total = self.accept(StepKind::Contraction { level }, next, total).unwrap_or(total);
+            let mut graft = Graft::new(&self.draft, &self.nodes, self.weights, &synth.levels);
+            if graft.rehang() {
+                total = self.accept(StepKind::Rehanging { level }, graft.finish(), total).unwrap_or(total);
+                total = self.update(StepKind::Update { level }, total).unwrap_or(total);
+            }
         }
         Ok(total)
+    }
+
+    /// Twigs for what is left, and a last update.
+    fn twigs(&mut self) {
+        let mut graft = Graft::new(&self.draft, &self.nodes, self.weights, &self.synth.levels);
+        graft.grow_twigs();
+        self.draft = graft.finish();
+        let terms = self.terms(&self.draft);
+        let mut total = self.note(StepKind::Twigs, terms);
+        let level = self.synth.levels.len() - 1;
+        total = self.update(StepKind::Update { level }, total).unwrap_or(total);
+        let mut next = self.draft.clone();
+        next.contract(super::graft::MOST);
+        total = self.accept(StepKind::Contraction { level }, next, total).unwrap_or(total);
+        for _ in 0..LAST {
+            let mut graft = Graft::new(&self.draft, &self.nodes, self.weights, &self.synth.levels).with_twigs();
+            if !graft.rehang() {
+                break;
+            }
+            let Some(found) = self.accept(StepKind::Rehanging { level }, graft.finish(), total) else { break };
+            total = self.update(StepKind::Update { level }, found).unwrap_or(found);
+        }
+    }
+
+    /// Moves all nodes to where the energy is less.
+    fn update(&mut self, kind: StepKind, total: f64) -> Option<f64> {
+        let mut next = self.draft.clone();
+        let model = Model::new(&self.draft, &self.nodes, self.weights);
+        descend(&model, &self.weights, &mut next.positions, self.soft, STEPS, 1e-4);
+        self.accept(kind, next, total)
     }
 
     /// Updates and partitions, as long as the energy falls; returns F.
@@ -488,8 +543,15 @@ impl Run<'_> {
     }
 }
 
+/// How many times a tree is as high as its trunk base is wide, if nothing else is asked for: trees in the open have
+/// between 20 and 60.
+const SLENDERNESS: f32 = 36.0;
+
 /// Quasi-Newton steps of one update, at most.
 const STEPS: u32 = 20;
 
+/// Times that subtrees are hung elsewhere and all nodes moved, at most, once there are twigs.
+const LAST: u32 = 4;
+
 /// Refinements in a row that may bring nothing: local minima go up and down (section 6, figure 10).
-const PATIENCE: u32 = 3;
+const PATIENCE: u32 = 2;
