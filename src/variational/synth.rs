@@ -70,9 +70,10 @@ pub struct Growth {
     pub branch_nodes: usize,
     /// What was asked of each branch node's internode.
     pub wishes: Vec<Wish>,
-    /// The energy after every step.
+    /// The energy after every step. The last steps, from [`StepKind::Twigs`] on, start from the tree of least energy of all
+    /// refinements, which need not be the last one's.
     pub trace: Vec<Step>,
-    /// The step of the trace at which the energy was least: the tree is that one.
+    /// The step of the trace whose tree this is: the last.
     pub best: usize,
 }
 
@@ -323,6 +324,43 @@ impl VariationalSynth {
     /// # Errors
     /// As [`synthesize`](Self::synthesize), and when the observer cancels.
     pub fn grow(&self, seed: u64, observer: &dyn Observer) -> Result<Growth, VariationalError> {
+        self.run(seed, observer, None)
+    }
+
+    /// As [`grow`](Self::grow); `visit` gets every step of the trace with the tree at that step, figure 11's trees among
+    /// them: its branch nodes, then the shape nodes, with stages and radii. Each costs as much as a copy of the tree.
+    ///
+    /// ```
+    /// use treesynth::variational::{StepKind, by_name};
+    ///
+    /// let oak = by_name("variational-14-oak").expect("a preset of this name").synth(200)?;
+    /// let mut first_levels = Vec::new();
+    /// oak.follow(1, &treesynth::Silent, &mut |step, tree| {
+    ///     if step.kind == (StepKind::Initialization { level: 0 }) {
+    ///         first_levels.push(tree);
+    ///     }
+    /// })?;
+    /// assert!(!first_levels.is_empty());
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    ///
+    /// # Errors
+    /// As [`grow`](Self::grow).
+    pub fn follow(
+        &self,
+        seed: u64,
+        observer: &dyn Observer,
+        visit: &mut dyn FnMut(&Step, Skeleton),
+    ) -> Result<Growth, VariationalError> {
+        self.run(seed, observer, Some(visit))
+    }
+
+    fn run(
+        &self,
+        seed: u64,
+        observer: &dyn Observer,
+        visit: Option<&mut dyn FnMut(&Step, Skeleton)>,
+    ) -> Result<Growth, VariationalError> {
         self.check()?;
         let (nodes, weights, soft) = self.scales();
         let root = self.root.as_dvec3();
@@ -336,6 +374,8 @@ impl VariationalSynth {
             trace: Vec::new(),
             observer,
             done: 0,
+            visit,
+            failed: None,
         };
         let mut least = run.levels()?;
         let mut best = run.draft.clone();
@@ -354,8 +394,10 @@ impl VariationalSynth {
         }
         run.draft = best;
         run.twigs();
-        let best = run.trace.len() - 1;
-        let growth = self.finish(run.draft, run.trace, best)?;
+        if let Some(error) = run.failed {
+            return Err(error);
+        }
+        let growth = self.finish(run.draft, run.trace)?;
         report(observer, Work::Optimization, 1.0)?;
         Ok(growth)
     }
@@ -390,7 +432,8 @@ impl VariationalSynth {
         self.shape.positions().iter().map(away).fold(f32::MIN_POSITIVE, f32::max)
     }
 
-    fn finish(&self, draft: Draft, trace: Vec<Step>, best: usize) -> Result<Growth, VariationalError> {
+    fn finish(&self, draft: Draft, trace: Vec<Step>) -> Result<Growth, VariationalError> {
+        let best = trace.len().saturating_sub(1);
         let branch_nodes = draft.len();
         let mut positions: Vec<Vec3> = draft.positions.iter().map(|position| position.as_vec3()).collect();
         positions[0] = self.root;
@@ -413,7 +456,7 @@ impl VariationalSynth {
 }
 
 /// One optimization under way.
-struct Run<'a> {
+struct Run<'a, 'v> {
     synth: &'a VariationalSynth,
     nodes: Nodes,
     weights: Weights,
@@ -424,9 +467,12 @@ struct Run<'a> {
     observer: &'a dyn Observer,
     /// Levels, over all refinements.
     done: u32,
+    visit: Option<&'v mut (dyn FnMut(&Step, Skeleton) + 'v)>,
+    /// Why a tree could not be shown.
+    failed: Option<VariationalError>,
 }
 
-impl Run<'_> {
+impl Run<'_, '_> {
     fn terms(&self, draft: &Draft) -> Terms {
         Model::new(draft, &self.nodes, self.weights).terms(&draft.positions, Soft::NONE, None)
     }
@@ -436,7 +482,14 @@ impl Run<'_> {
         let Terms { structure, guidance, penalty } = terms;
         let total = terms.total(&self.weights);
         let branch_nodes = self.draft.len();
-        self.trace.push(Step { kind, total, structure, guidance, penalty, branch_nodes });
+        let step = Step { kind, total, structure, guidance, penalty, branch_nodes };
+        self.trace.push(step);
+        if let Some(visit) = &mut self.visit {
+            match self.synth.finish(self.draft.clone(), Vec::new()) {
+                Ok(growth) => visit(&step, growth.skeleton),
+                Err(error) => self.failed = Some(error),
+            }
+        }
         total
     }
 

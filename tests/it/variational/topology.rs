@@ -153,9 +153,6 @@ fn best_move(growth: &Growth, shape: &GuidanceShape, whorls: bool) -> (f64, usiz
     most
 }
 
-/// The moves weigh strain as well as wood, so that a little wood may be left.
-const MOST_SAVED: f64 = 1.2e-3;
-
 #[test]
 fn no_subtree_saves_elsewhere() {
     let pair = |away: f32| {
@@ -172,7 +169,7 @@ fn no_subtree_saves_elsewhere() {
             let growth = grown(&VariationalSynth::new(shape.clone()), seed);
             let (saving, node, place) = best_move(&growth, &shape, false);
             println!("{name}, seed {seed}: {node} on {place} would save {:.3}% of F_I", 100.0 * saving);
-            assert!(saving <= MOST_SAVED, "{name}, seed {seed}: {saving}");
+            assert!(saving <= 1e-3, "{name}, seed {seed}: {saving}");
         }
     }
     for preset in presets() {
@@ -180,7 +177,7 @@ fn no_subtree_saves_elsewhere() {
         let growth = grown(&synth, preset.seed);
         let (saving, node, place) = best_move(&growth, synth.shape(), synth.levels()[0].laterals() > 1);
         println!("{}: {node} on {place} would save {:.3}% of F_I", preset.name, 100.0 * saving);
-        assert!(saving <= MOST_SAVED, "{}: {saving}", preset.name);
+        assert!(saving <= 1e-3, "{}: {saving}", preset.name);
         let strain = strain(&growth, synth.shape());
         assert!(strain <= growth.trace[growth.best].penalty * 1.02, "{}: {strain}", preset.name);
     }
@@ -221,4 +218,22 @@ fn thickness_follows_size() {
         println!("{size} m: {slender} times as high as wide");
         assert!((20.0..=60.0).contains(&slender), "{size} m: {slender}");
     }
+}
+
+/// Figure 11: the tree at every step of the trace can be read, and the last is the tree itself.
+#[test]
+fn steps_between_can_be_read() {
+    let preset = by_name("variational-14-maple").expect("a preset");
+    let synth = preset.synth(300).expect("a shape");
+    let mut seen = Vec::new();
+    let growth = synth
+        .follow(1, &Silent, &mut |step, tree| {
+            assert_eq!(tree.len(), step.branch_nodes + 300);
+            assert_eq!(tree.check(), Ok(()));
+            seen.push((*step, tree));
+        })
+        .expect("a tree");
+    assert_eq!(growth, synth.grow(1, &Silent).expect("a tree"));
+    assert_eq!(seen.iter().map(|(step, _)| *step).collect::<Vec<_>>(), growth.trace);
+    assert_eq!(seen[growth.best].1, growth.skeleton);
 }
