@@ -41,7 +41,6 @@ pub struct Species {
     pub(super) lifespan: Curve,
     pub(super) metamers: Curve,
     pub(super) shoot_scale: Curve,
-    pub(super) taper: Curve,
     pub(super) branching_angle: Curve,
     pub(super) phenology: Phenology,
 }
@@ -85,9 +84,13 @@ impl Species {
         self
     }
 
-    /// How thick branches are: the radius of the base of one of the [greatest length](Self::with_longest_branch) over that
-    /// length, 0 to 1.
-    /// Radii are as length to the power of 1.5, as elastic similarity has it (`McMahon` 1973).
+    /// How thick the trunk base is at the greatest age: its radius over the trunk's length if that is the
+    /// [greatest of a branch](Self::with_longest_branch), 0 to 1; otherwise as length to the power of 1.5, as elastic
+    /// similarity has it (`McMahon` 1973).
+    ///
+    /// All other wood follows by the pipe model (Shinozaki and others 1964), `r^a` being in proportion to the number of
+    /// metamers ever borne. Its exponent a, in [2, 2.4], is chosen so that the trunk base comes out as thick; twigs get
+    /// between half and one and a half of their [radius](Self::with_twig_radius) if that does not suffice.
     pub fn with_stoutness(mut self, ratio: f32) -> Self {
         self.stoutness = ratio;
         self
@@ -181,13 +184,6 @@ impl Species {
         self
     }
 
-    /// The radius along a branch beside that of its base, 0 to 1, over the relative position; the radius of a
-    /// [twig](Self::with_twig_radius) is added.
-    pub fn with_taper(mut self, curve: Curve) -> Self {
-        self.taper = curve;
-        self
-    }
-
     /// The angle between a branch and the one that bears it, radians, 0.05 to 2.8, over the length of its first shoot
     /// beside the longest shoot of the trunk.
     pub fn with_branching_angle(mut self, curve: Curve) -> Self {
@@ -222,7 +218,7 @@ impl Species {
     }
 
     /// Each curve of its own with its name, and its least and greatest value.
-    fn ranges(&self) -> [(&'static str, &Curve, f32, f32); 11] {
+    fn ranges(&self) -> [(&'static str, &Curve, f32, f32); 10] {
         [
             ("height", &self.height, 0.0, 1000.0),
             ("young_silhouette", &self.young_silhouette, 0.0, 10.0),
@@ -233,7 +229,6 @@ impl Species {
             ("lifespan", &self.lifespan, 0.0, 10000.0),
             ("metamers", &self.metamers, 0.0, 1000.0),
             ("shoot_scale", &self.shoot_scale, 0.0, 1.0),
-            ("taper", &self.taper, 0.0, 1.0),
             ("branching_angle", &self.branching_angle, 0.05, 2.8),
         ]
     }

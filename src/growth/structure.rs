@@ -21,7 +21,14 @@ pub(super) enum Draw {
     Aside = 4,
     Fall = 5,
     Tone = 6,
+    Break = 7,
 }
+
+/// The years that any dead branch stands at least, and those beyond that one of a metre stands on average; they go with the
+/// root of the length.
+const LEAST_BARE: f32 = 0.2;
+const BARE_YEARS: f32 = 1.6;
+const MOST_BARE_YEARS: f32 = 6.0;
 
 /// A branch, the trunk included.
 #[derive(Debug, Clone)]
@@ -33,7 +40,10 @@ pub(super) struct Axis {
     pub(super) order: u16,
     /// The year of its first shoot, from 1.
     pub(super) first_year: u16,
-    /// The tree's age at which it is lost with all it bears; infinite for the trunk.
+    /// The tree's age at which it dies with all it bears, at the end of a year; infinite for the trunk. From then on it does
+    /// not grow, and no leaf comes.
+    pub(super) died: f32,
+    /// The tree's age at which it breaks off with all it bears, some time after its death; infinite for the trunk.
     pub(super) lost: f32,
     /// `s_b` of equation 15.
     pub(super) scale: f32,
@@ -71,6 +81,13 @@ pub(super) struct Structure {
     pub(super) nodes: u32,
 }
 
+impl Axis {
+    /// The last year, up to `year`, in which it grows.
+    pub(super) fn last_year(&self, year: u16) -> u16 {
+        if f32::from(year) > self.died { self.died as u16 } else { year }
+    }
+}
+
 impl Structure {
     pub(super) fn new(species: &Species, seed: u64, most_nodes: u32) -> Self {
         let mut builder = Builder::new(species, seed, most_nodes);
@@ -86,6 +103,42 @@ impl Structure {
             }
         }
         builder.finish(years, refused)
+    }
+
+    /// For each branch the pipes that run through its base when `progress` of the season of `year` is over: one for each
+    /// metamer that it or what it bears has ever had, also where that is lost, for rings stay. One pass from the tips
+    /// to the root, O(branches).
+    pub(super) fn pipes(&self, year: u16, progress: f32) -> Vec<f64> {
+        let mut pipes = vec![0.0; self.axes.len()];
+        let sprouted = self.axes.partition_point(|axis| axis.first_year <= year);
+        for number in (0..sprouted).rev() {
+            let axis = &self.axes[number];
+            pipes[number] += self.metamers(axis, year, progress);
+            if number > 0 {
+                pipes[axis.parent as usize] += pipes[number];
+            }
+        }
+        pipes
+    }
+
+    /// The length of the trunk at the greatest age, metres.
+    pub(super) fn trunk_length(&self) -> f32 {
+        let next = self.axes.get(1).map_or(self.shoots.len(), |axis| axis.start as usize);
+        self.shoots[next - 1].length
+    }
+
+    /// The pipes at the trunk base in the last year there is.
+    pub(super) fn all_pipes(&self) -> f64 {
+        if self.years > 0 { self.pipes(self.years, 1.0)[0] } else { 1.0 }
+    }
+
+    /// The metamers of a branch when `progress` of the season of `year` is over.
+    pub(super) fn metamers(&self, axis: &Axis, year: u16, progress: f32) -> f64 {
+        let last = axis.last_year(year);
+        let shoots = self.shoots_until(axis, last);
+        let now = f64::from(shoots[shoots.len() - 1].metamers);
+        let before = if shoots.len() > 1 { f64::from(shoots[shoots.len() - 2].metamers) } else { 0.0 };
+        if last < year { now } else { before + (now - before) * f64::from(progress) }
     }
 
     /// The years of a branch from its first to `year`.
@@ -136,6 +189,7 @@ impl<'a> Builder<'a> {
             bearer: 0,
             order: 0,
             first_year: 1,
+            died: f32::INFINITY,
             lost: f32::INFINITY,
             scale: 1.0,
             angle: 0.0,
@@ -184,7 +238,7 @@ impl<'a> Builder<'a> {
 
     /// Whether a branch lives in a year, if only at its beginning.
     fn is_living(&self, axis: usize, year: u16) -> bool {
-        self.axes[axis].lost > f32::from(year - 1)
+        self.axes[axis].died > f32::from(year - 1)
     }
 
     /// The laterals that sprout in `year` from the shoot of the year before.
@@ -218,7 +272,8 @@ impl<'a> Builder<'a> {
             let on_shoot = (number + 1) as f32 / metamers as f32;
             let bearer = metamers_before + number;
             let id = u64::from(shoot.first_node + number);
-            let draw = |draw: Draw| unit(self.seed, draw as u32, Purpose::GROWTH, id);
+            let seed = self.seed;
+            let draw = |draw: Draw| unit(seed, draw as u32, Purpose::GROWTH, id);
             let scale = eq::lateral_scale(
                 &species.shoot_scale,
                 &species.branch_scale,
@@ -232,22 +287,32 @@ impl<'a> Builder<'a> {
             }
             let lifespan = eq::lost_at(&species.lifespan, scale)
                 * (1.0 - species.scale_variation * draw(Draw::Lifespan));
-            let lost = (f32::from(year - 1) + lifespan.max(1.0)).min(bearing.lost);
-            self.extend(Axis {
+            let died = (f32::from(year - 1) + lifespan.max(1.0)).ceil().min(bearing.died);
+            let number = self.extend(Axis {
                 parent: parent as u32,
                 bearer,
                 order: bearing.order + 1,
                 first_year: year,
-                lost,
+                died,
+                lost: died,
                 scale,
                 angle: 0.0,
                 start: 0,
             });
+            if died < f32::from(species.years) {
+                // What is bare stands the longer the larger it is.
+                let last = usize::from(died as u16 - year);
+                let length = self.shoots[self.axes[number].start as usize + last].length;
+                let bare = (BARE_YEARS * length.sqrt() * (0.5 + draw(Draw::Break))).min(MOST_BARE_YEARS);
+                self.axes[number].lost = (died + LEAST_BARE + bare).min(bearing.lost);
+            } else {
+                self.axes[number].lost = (died + LEAST_BARE).min(bearing.lost);
+            }
         }
     }
 
     /// Adds a branch with its lengths and metamers in all years, of which `wanted` has the lengths at scale 1.
-    fn extend(&mut self, mut axis: Axis) {
+    fn extend(&mut self, mut axis: Axis) -> usize {
         let species = self.species;
         axis.start = self.shoots.len() as u32;
         let (mut length, mut metamers, mut longest_before) = (0.0, 0, None);
@@ -267,6 +332,7 @@ impl<'a> Builder<'a> {
             self.shoots.push(Shoot { length, metamers, first_node: 0 });
         }
         self.axes.push(axis);
+        self.axes.len() - 1
     }
 
     /// The number of metamers nearest to `wanted` with which both of the longest laterals of the shoot stand at least
@@ -430,7 +496,8 @@ mod tests {
         let (_, structure) = cottonwood();
         for (number, axis) in structure.axes.iter().enumerate().skip(1) {
             let parent = &structure.axes[axis.parent as usize];
-            assert!((axis.parent as usize) < number && axis.lost <= parent.lost);
+            assert!((axis.parent as usize) < number && axis.lost <= parent.lost && axis.died <= parent.died);
+            assert!(axis.lost >= axis.died + LEAST_BARE && axis.died.fract() == 0.0);
             assert!(axis.lost >= f32::from(axis.first_year).min(parent.lost));
             assert!(axis.first_year > parent.first_year && axis.scale <= parent.scale);
         }

@@ -182,7 +182,8 @@ impl Draft {
     /// something; otherwise a whorl would have gaps. Only from nodes that have more than one.
     pub(super) fn feed_laterals(&mut self, places: &[DVec3]) {
         let orders = self.orders();
-        let is_lateral = |node: usize| self.stages[node] == 1 && self.stages[self.parents[node] as usize] == 0;
+        let is_lateral =
+            |node: usize| self.stages[node] == 1 && self.stages[self.parents[node] as usize] == 0;
         let mut fed = vec![false; self.len()];
         for node in (1..self.len()).filter(|&node| is_lateral(node) && orders[node] > 0) {
             fed[self.parents[node] as usize] = true;
@@ -195,8 +196,9 @@ impl Draft {
         for node in hungry {
             let from = self.positions[node];
             let free = (0..places.len()).filter(|&tip| carries[self.owners[tip] as usize] > 1);
-            let nearest = free
-                .min_by(|&a, &b| places[a].distance_squared(from).total_cmp(&places[b].distance_squared(from)));
+            let nearest = free.min_by(|&a, &b| {
+                places[a].distance_squared(from).total_cmp(&places[b].distance_squared(from))
+            });
             if let Some(tip) = nearest {
                 carries[self.owners[tip] as usize] -= 1;
                 carries[node] += 1;

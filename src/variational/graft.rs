@@ -467,7 +467,9 @@ impl<'a> Graft<'a> {
                 let flow = self.flows[node as usize];
                 (self.at(node), flow, self.thick[node as usize])
             }
-            Item::Tip(tip) => (self.nodes.places[tip as usize], self.nodes.flows[tip as usize], self.pull(tip)),
+            Item::Tip(tip) => {
+                (self.nodes.places[tip as usize], self.nodes.flows[tip as usize], self.pull(tip))
+            }
         }
     }
 

@@ -239,7 +239,10 @@ fn smooth_noise(place: Vec3, seed: u64) -> Vec3 {
         let share = offset * part + (Vec3::ONE - offset) * (Vec3::ONE - part);
         let lattice = cell + offset;
         // 20 bits an axis: what is a million cells apart may repeat.
-        let index = lattice.to_array().into_iter().fold(0_u64, |index, at| index << 20 | (at as i64 as u64 & 0xf_ffff));
+        let index = lattice
+            .to_array()
+            .into_iter()
+            .fold(0_u64, |index, at| index << 20 | (at as i64 as u64 & 0xf_ffff));
         let draws = [0, 1, 2].map(|axis| unit(seed, SHARED + axis, Purpose::SHAPE_NODES, index));
         sum += (Vec3::from_array(draws) - 0.5) * share.element_product();
     }

@@ -158,7 +158,8 @@ impl<'a> Model<'a> {
             let Some((mate, _)) = self.wishes[node].turn.filter(|_| parent > 0) else { continue };
             let before = positions[self.parents[parent] as usize];
             let axis = (positions[parent] - before).normalize_or_zero();
-            let stiff = self.weights.mu * self.thick[node] * self.wishes[node].length / (4.0 * soft.deviation);
+            let stiff =
+                self.weights.mu * self.thick[node] * self.wishes[node].length / (4.0 * soft.deviation);
             for (turned, way) in [(node, way), (mate as usize, positions[mate as usize] - before)] {
                 let aside = (way - axis * way.dot(axis)).length_squared() + TURN * way.length_squared();
                 to_parent[turned] += stiff / (aside + soft.length * soft.length);

@@ -539,11 +539,14 @@ impl Run<'_, '_> {
         next.contract(super::graft::MOST);
         total = self.accept(StepKind::Contraction { level }, next, total).unwrap_or(total);
         for _ in 0..LAST {
-            let mut graft = Graft::new(&self.draft, &self.nodes, self.weights, &self.synth.levels).with_twigs();
+            let mut graft =
+                Graft::new(&self.draft, &self.nodes, self.weights, &self.synth.levels).with_twigs();
             if !graft.rehang() {
                 break;
             }
-            let Some(found) = self.accept(StepKind::Rehanging { level }, graft.finish(), total) else { break };
+            let Some(found) = self.accept(StepKind::Rehanging { level }, graft.finish(), total) else {
+                break;
+            };
             total = self.update(StepKind::Update { level }, found).unwrap_or(found);
         }
     }

@@ -135,7 +135,14 @@ mod tests {
         let mut positions = draft.positions.clone();
         let wood = |positions: &[DVec3]| model.terms(positions, Soft::NONE, None).structure;
         assert!((wood(&positions) - 306.685_601_653).abs() < 1e-8, "the same start: {}", wood(&positions));
-        descend(&model, &weights, &mut positions, Soft { length: 1e-6, deviation: 0.05, turn: 0.2 }, 200, 1e-12);
+        descend(
+            &model,
+            &weights,
+            &mut positions,
+            Soft { length: 1e-6, deviation: 0.05, turn: 0.2 },
+            200,
+            1e-12,
+        );
         assert!(wood(&positions) < 255.128_401_213 + 1e-6, "{}", wood(&positions));
     }
 }

@@ -114,9 +114,8 @@ fn best_move(growth: &Growth, shape: &GuidanceShape, whorls: bool) -> (f64, usiz
     let mut most = (0.0, 0, 0);
     for node in 1..growth.branch_nodes {
         let parent = tree.parent(node).expect("not the root");
-        let is_fixed = tree.stages()[node] == 0
-            || (tree.stages()[parent] == 0 && whorls)
-            || bears[parent] == 1;
+        let is_fixed =
+            tree.stages()[node] == 0 || (tree.stages()[parent] == 0 && whorls) || bears[parent] == 1;
         if is_fixed {
             continue;
         }
@@ -156,10 +155,7 @@ fn best_move(growth: &Growth, shape: &GuidanceShape, whorls: bool) -> (f64, usiz
 #[test]
 fn no_subtree_saves_elsewhere() {
     let pair = |away: f32| {
-        Union::new(
-            Sphere::new(Vec3::new(-away, 4.0, 0.0), 1.2),
-            Sphere::new(Vec3::new(away, 5.0, 0.5), 1.2),
-        )
+        Union::new(Sphere::new(Vec3::new(-away, 4.0, 0.0), 1.2), Sphere::new(Vec3::new(away, 5.0, 0.5), 1.2))
     };
     let dome = HalfEllipsoid::new(Vec3::Y * 2.0, Vec3::new(2.5, 5.0, 2.5));
     let shapes: [(&str, &dyn Shape); 3] = [("blobs", &pair(2.5)), ("far blobs", &pair(4.0)), ("dome", &dome)];
@@ -196,9 +192,14 @@ fn stems_bear_n_laterals_and_nodes_few_tips() {
                 bears[parent] += 1;
                 laterals[parent] += usize::from(tree.stages()[node] > 0);
             }
-            let stem: Vec<usize> = (1..growth.branch_nodes).filter(|&node| tree.stages()[node] == 0).collect();
+            let stem: Vec<usize> =
+                (1..growth.branch_nodes).filter(|&node| tree.stages()[node] == 0).collect();
             let kept = stem.iter().filter(|&&node| laterals[node] == n).count() as f64 / stem.len() as f64;
-            assert!(kept >= 0.9, "{}, seed {seed}: {kept} of the stem's nodes bear {n} laterals", preset.name);
+            assert!(
+                kept >= 0.9,
+                "{}, seed {seed}: {kept} of the stem's nodes bear {n} laterals",
+                preset.name
+            );
             let most = *bears.iter().max().expect("nodes");
             assert!(most <= 5.max(n + 1), "{}, seed {seed}: {most} children", preset.name);
             let bundled = tree.tips().filter(|&tip| bears[tree.parent(tip).expect("not the root")] >= 5);
