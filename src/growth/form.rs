@@ -1,7 +1,7 @@
 //! The tree at an age: every branch laid out along its heading, in one pass from the trunk outwards.
 
 use super::equation as eq;
-use super::structure::{Axis, Draw, Shoot};
+use super::structure::{Axis, Draw, FORK_ANGLE, Shoot};
 use super::{Growth, Phenology, Species};
 use crate::math::{self, UP, parallel_transport};
 use crate::random::{Purpose, unit};
@@ -12,6 +12,8 @@ use glam::Vec3;
 const KEPT: f32 = 0.7;
 /// The trunk strays less than branches.
 const TRUNK: f32 = 1.0 / 3.0;
+/// What is left at a branch's tip of how far it leans from its twin.
+const RIGHTED: f32 = 0.3;
 /// Leaves turn their colour in so many groups, so many parts of a year apart.
 const TONES: u32 = 5;
 const TONE_STEP: f32 = 0.015;
@@ -259,13 +261,18 @@ impl<'a> Layout<'a> {
                     {
                         lateral_pipes -= self.pipes[branch as usize];
                         let lateral = &growth.structure.axes[branch as usize];
+                        if lateral.is_twin && lateral.first_year <= self.year {
+                            path.forks.push((along, path.outward(direction, path.azimuth(bearer, 0))));
+                        }
                         if lateral.first_year <= self.year && lateral.lost > self.age {
                             self.bases[branch as usize] = Some(path.lateral(lateral, direction, at));
                         }
                     }
                     let is_young = !is_dead && self.year - year < species.phenology.leaf_years.max(2);
                     if is_young {
-                        self.organs(&path, at, direction, radius, year, bearer, k, metamers);
+                        for place in 0..species.whorl {
+                            self.organs(&path, at, direction, radius, year, (bearer, place), k, metamers);
+                        }
                     }
                 }
                 (from, count) = (shoot.length, shoot.metamers);
@@ -310,16 +317,16 @@ impl<'a> Layout<'a> {
         direction: Vec3,
         radius: f32,
         year: u16,
-        bearer: u32,
+        (bearer, place): (u32, u16),
         number: u32,
         of: u32,
     ) {
         let phenology = &self.species.phenology;
         let winters = self.year - year;
-        let outward = path.outward(direction, path.azimuth(bearer));
+        let outward = path.outward(direction, path.azimuth(bearer, place));
         let position = at.position + outward * radius;
         let started = self.progress > 0.0;
-        let id = u64::from(self.ids[at.node as usize]);
+        let id = u64::from(self.ids[at.node as usize]) | u64::from(place) << 32;
         let draw = |draw: Draw| unit(self.growth.seed, draw as u32, Purpose::GROWTH, id);
         let bud = match winters {
             0 => phenology.bud(self.time, number, of),
@@ -344,7 +351,7 @@ impl<'a> Layout<'a> {
         let midrib = direction * cos + outward * sin;
         // The upper side looks to the light, as far as the midrib lets it.
         let adaxial = direction * sin - outward * cos;
-        let towards = adaxial + UP * 1.5;
+        let towards = adaxial + UP * phenology.light_turn;
         let normal = (towards - midrib * towards.dot(midrib)).normalize_or(adaxial);
         let tone = (draw(Draw::Tone) * TONES as f32) as usize;
         let color = self.colors[tone];
@@ -401,6 +408,8 @@ struct Path<'a> {
     turn: f64,
     /// How far it strays inwards and aside before and after the shoot at hand.
     strays: [[f32; 2]; 2],
+    /// How far from the base it forks, metres, and where its twin goes there, at right angles to it.
+    forks: Vec<(f32, Vec3)>,
 }
 
 impl<'a> Path<'a> {
@@ -421,6 +430,7 @@ impl<'a> Path<'a> {
             share: eq::length_share(length, species.longest_branch),
             turn: f64::from(turn) * std::f64::consts::TAU,
             strays: [[0.0; 2]; 2],
+            forks: Vec::new(),
         }
     }
 
@@ -436,6 +446,19 @@ impl<'a> Path<'a> {
 
     /// The direction at so many metres from the base, which is such a part of the shoot at hand; of length 1.
     fn direction(&self, along: f32, part: f32) -> Vec3 {
+        let mut direction = self.unforked(along, part);
+        for &(place, twin) in &self.forks {
+            // It rights itself again on its way.
+            let left = 1.0
+                - (1.0 - RIGHTED)
+                    * ((along - place) / (self.length - place).max(f32::MIN_POSITIVE)).clamp(0.0, 1.0);
+            let (sin, cos) = math::sin_cos(FORK_ANGLE * left);
+            direction = (direction * cos - twin * sin).normalize_or(direction);
+        }
+        direction
+    }
+
+    fn unforked(&self, along: f32, part: f32) -> Vec3 {
         let place = along / self.length;
         let Base { heading, inwards, .. } = self.base;
         let [before, after] = self.strays;
@@ -450,9 +473,10 @@ impl<'a> Path<'a> {
         (turned + strayed + UP * (self.species.tropism * place)).normalize_or(turned)
     }
 
-    /// Of what a metamer bears, about the branch, radians.
-    fn azimuth(&self, bearer: u32) -> f32 {
-        let turned = f64::from(self.species.divergence) * f64::from(bearer) + self.turn;
+    /// Of one of the whorl that a metamer bears, about the branch, radians.
+    fn azimuth(&self, bearer: u32, place: u16) -> f32 {
+        let around = std::f64::consts::TAU * f64::from(place) / f64::from(self.species.whorl);
+        let turned = f64::from(self.species.divergence) * f64::from(bearer) + self.turn + around;
         (turned % std::f64::consts::TAU) as f32
     }
 
@@ -465,7 +489,7 @@ impl<'a> Path<'a> {
     }
 
     fn lateral(&self, lateral: &Axis, direction: Vec3, at: Foot) -> Base {
-        let outward = self.outward(direction, self.azimuth(lateral.bearer));
+        let outward = self.outward(direction, self.azimuth(lateral.bearer, lateral.place));
         let (sin, cos) = math::sin_cos(lateral.angle);
         let heading = (direction * cos + outward * sin).normalize_or(outward);
         let inwards = direction * sin - outward * cos;

@@ -7,7 +7,7 @@ use std::f32::consts::TAU;
 
 /// A species: the paper's functions G as [`Curve`]s, with their limits.
 ///
-/// `Species::default()` is the paper's, [`cottonwood`](Self::cottonwood); four others stand beside it. A value is checked
+/// `Species::default()` is the paper's, [`cottonwood`](Self::cottonwood); seven others stand beside it. A value is checked
 /// where growth starts.
 ///
 /// ```
@@ -27,6 +27,10 @@ pub struct Species {
     pub(super) least_scale: f32,
     pub(super) most_order: u16,
     pub(super) divergence: f32,
+    #[cfg_attr(feature = "serde", serde(default = "one"))]
+    pub(super) whorl: u16,
+    #[cfg_attr(feature = "serde", serde(default))]
+    pub(super) forking: f32,
     pub(super) stoutness: f32,
     pub(super) twig_radius: f32,
     pub(super) variation: f32,
@@ -81,6 +85,20 @@ impl Species {
     /// 137.5°.
     pub fn with_divergence(mut self, radians: f32) -> Self {
         self.divergence = radians;
+        self
+    }
+
+    /// How many leaves, buds and laterals stand at each metamer, evenly around the axis, 1 to 8: 2 for opposite ones, and with a
+    /// [divergence](Self::with_divergence) of a right angle for decussate ones.
+    pub fn with_whorl(mut self, count: u16) -> Self {
+        self.whorl = count;
+        self
+    }
+
+    /// How likely a branch forks at the end of a year's shoot, 0 to 1: into itself and a twin that is as strong from then on,
+    /// both leaning away from each other.
+    pub fn with_forking(mut self, chance: f32) -> Self {
+        self.forking = chance;
         self
     }
 
@@ -242,7 +260,10 @@ impl Species {
         ParameterError::unless((1..=1000).contains(&years), "Species.years", years, "1 to 1000")?;
         let order = self.most_order;
         ParameterError::unless(order <= 16, "Species.most_order", order, "0 to 16")?;
+        let whorl = self.whorl;
+        ParameterError::unless((1..=8).contains(&whorl), "Species.whorl", whorl, "1 to 8")?;
         for (name, value, least, most) in [
+            ("forking", self.forking, 0.0, 1.0),
             ("least_shoot", self.least_shoot, 0.0001, 10.0),
             ("longest_branch", self.longest_branch, 0.001, 10000.0),
             ("least_scale", self.least_scale, 0.0, 1.0),
@@ -262,4 +283,9 @@ impl Species {
         }
         self.phenology.check()
     }
+}
+
+#[cfg(feature = "serde")]
+fn one() -> u16 {
+    1
 }

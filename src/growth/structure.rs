@@ -22,7 +22,11 @@ pub(super) enum Draw {
     Fall = 5,
     Tone = 6,
     Break = 7,
+    Fork = 8,
 }
+
+/// How far the two of a fork lean away from what bears them, each, radians.
+pub(super) const FORK_ANGLE: f32 = 0.4;
 
 /// The years that any dead branch stands at least, and those beyond that one of a metre stands on average; they go with the
 /// root of the length.
@@ -37,7 +41,13 @@ pub(super) struct Axis {
     pub(super) parent: u32,
     /// The metamer of that branch at whose upper end it springs.
     pub(super) bearer: u32,
+    /// Which of the whorl at that metamer it is, from 0.
+    pub(super) place: u16,
+    /// Whether it is half of a fork: as long as its parent branch beyond it, which leans the other way.
+    pub(super) is_twin: bool,
     pub(super) order: u16,
+    /// Its order without the forks on the way: a twin has its parent branch's.
+    pub(super) rank: u16,
     /// The year of its first shoot, from 1.
     pub(super) first_year: u16,
     /// The tree's age at which it dies with all it bears, at the end of a year; infinite for the trunk. From then on it does
@@ -187,7 +197,10 @@ impl<'a> Builder<'a> {
         let trunk = Axis {
             parent: 0,
             bearer: 0,
+            place: 0,
+            is_twin: false,
             order: 0,
+            rank: 0,
             first_year: 1,
             died: f32::INFINITY,
             lost: f32::INFINITY,
@@ -211,7 +224,7 @@ impl<'a> Builder<'a> {
         // A branch takes three times the memory of a node, and each of its years up to the greatest age half of it.
         let most = self.most_nodes as usize;
         for axis in 0..self.axes.len() {
-            if year > 1 && self.is_living(axis, year) && self.axes[axis].order < self.species.most_order {
+            if year > 1 && self.is_living(axis, year) && self.axes[axis].rank < self.species.most_order {
                 self.branch(axis, year);
             }
             if self.axes.len() > most || self.shoots.len() / 8 > most {
@@ -268,10 +281,15 @@ impl<'a> Builder<'a> {
             let (young, mature) = (species.young_silhouette.at(now), species.mature_silhouette.at(now));
             self.wanted.push(eq::wanted_length(length, self.time(later), young, mature));
         }
-        for number in 0..metamers {
+        let forks = self.forks(parent, year);
+        for number in 0..metamers * u32::from(species.whorl) {
+            let (number, place) = (number / u32::from(species.whorl), number % u32::from(species.whorl));
+            if place == 0 && number + 1 == metamers && forks {
+                continue;
+            }
             let on_shoot = (number + 1) as f32 / metamers as f32;
             let bearer = metamers_before + number;
-            let id = u64::from(shoot.first_node + number);
+            let id = u64::from(shoot.first_node + number) | u64::from(place) << 32;
             let seed = self.seed;
             let draw = |draw: Draw| unit(seed, draw as u32, Purpose::GROWTH, id);
             let scale = eq::lateral_scale(
@@ -291,7 +309,10 @@ impl<'a> Builder<'a> {
             let number = self.extend(Axis {
                 parent: parent as u32,
                 bearer,
+                place: place as u16,
+                is_twin: false,
                 order: bearing.order + 1,
+                rank: bearing.rank + 1,
                 first_year: year,
                 died,
                 lost: died,
@@ -309,6 +330,45 @@ impl<'a> Builder<'a> {
                 self.axes[number].lost = (died + LEAST_BARE).min(bearing.lost);
             }
         }
+        if forks {
+            self.twin(parent, year, metamers_before + metamers - 1);
+        }
+    }
+
+    /// Whether a branch forks at the end of the shoot before `year`.
+    fn forks(&self, parent: usize, year: u16) -> bool {
+        let id = (parent as u64) << 16 | u64::from(year);
+        unit(self.seed, Draw::Fork as u32, Purpose::GROWTH, id) < self.species.forking
+    }
+
+    /// Lets a branch fork at the end of its shoot: at that metamer springs a twin that is in all years as long as the branch
+    /// beyond it.
+    fn twin(&mut self, parent: usize, year: u16, bearer: u32) {
+        let species = self.species;
+        let bearing = self.axes[parent].clone();
+        let start = bearing.start as usize;
+        let place = self.shoots[start + usize::from(year - 1 - bearing.first_year)].length;
+        let wanted = (year..=species.years)
+            .map(|later| self.shoots[start + usize::from(later - bearing.first_year)].length - place);
+        // `extend` scales what is wanted and divides it by the order; a twin is to be as long as it says here.
+        let divided = eq::order_divisor(bearing.rank) / bearing.scale;
+        let wanted: Vec<f32> = wanted.map(|length| length * divided).collect();
+        let before = std::mem::replace(&mut self.wanted, wanted);
+        self.extend(Axis {
+            parent: parent as u32,
+            bearer,
+            place: 0,
+            is_twin: true,
+            order: bearing.order + 1,
+            rank: bearing.rank,
+            first_year: year,
+            died: bearing.died,
+            lost: bearing.lost,
+            scale: bearing.scale,
+            angle: 0.0,
+            start: 0,
+        });
+        self.wanted = before;
     }
 
     /// Adds a branch with its lengths and metamers in all years, of which `wanted` has the lengths at scale 1.
@@ -319,10 +379,10 @@ impl<'a> Builder<'a> {
         for i in 0..self.wanted.len() {
             let wanted = self.wanted[i] * axis.scale;
             let before = length;
-            length = eq::higher_order_length(wanted, before, species.least_shoot, axis.order);
-            if i == 0 && axis.order > 0 {
+            length = eq::higher_order_length(wanted, before, species.least_shoot, axis.rank);
+            if i == 0 && !self.axes.is_empty() {
                 let share = (length / self.longest_shoot).min(1.0);
-                axis.angle = species.branching_angle.at(share);
+                axis.angle = if axis.is_twin { FORK_ANGLE } else { species.branching_angle.at(share) };
             }
             let wanted = eq::metamers(&species.metamers, length - before, self.longest_shoot);
             let count = self.turned(wanted, metamers, longest_before);
@@ -346,9 +406,9 @@ impl<'a> Builder<'a> {
             (0..=2 * farthest).map(|i| if i % 2 == 1 { i.div_ceil(2) as i32 } else { -((i / 2) as i32) });
         for offset in offsets {
             let Some(count) = wanted.checked_add_signed(offset).filter(|&count| count > 0) else { continue };
-            let divergence = self.species.divergence;
+            let (divergence, whorl) = (self.species.divergence, self.species.whorl);
             let longest = self.longest(count);
-            if longest.iter().all(|&k| apart(before + k - longest_before, divergence) >= LEAST_ANGLE) {
+            if longest.iter().all(|&k| apart(before + k - longest_before, divergence, whorl) >= LEAST_ANGLE) {
                 return count;
             }
         }
@@ -394,9 +454,10 @@ impl<'a> Builder<'a> {
     }
 }
 
-/// The angle between two metamers' laterals about the axis when so many steps lie between them, radians, 0 to π.
-pub(super) fn apart(steps: u32, divergence: f32) -> f32 {
-    let turn = std::f64::consts::TAU;
+/// The least angle between two metamers' laterals about the axis when so many steps lie between them and so many laterals
+/// stand at each, radians, 0 to π.
+pub(super) fn apart(steps: u32, divergence: f32, whorl: u16) -> f32 {
+    let turn = std::f64::consts::TAU / f64::from(whorl);
     let angle = (f64::from(steps) * f64::from(divergence)).rem_euclid(turn);
     angle.min(turn - angle) as f32
 }
@@ -417,7 +478,7 @@ mod tests {
         let golden = 137.5f32.to_radians();
         // 2·137.5 = 275, which is 85 from a full turn; 3·137.5 = 412.5, 52.5 beyond one; 8·137.5 = 1100, 20 beyond three.
         for (steps, degrees) in [(1, 137.5f32), (2, 85.0), (3, 52.5), (8, 20.0)] {
-            assert!((apart(steps, golden).to_degrees() - degrees).abs() < 1e-3, "{steps}");
+            assert!((apart(steps, golden, 1).to_degrees() - degrees).abs() < 1e-3, "{steps}");
         }
     }
 
@@ -482,7 +543,7 @@ mod tests {
                 // G_ss rises to the tip: the two uppermost are the longest.
                 let longest_before = counts[i - 1] - 1;
                 for k in 1..=(counts[i] - counts[i - 1]).min(2) {
-                    let angle = apart(counts[i] - k - longest_before, species.divergence).to_degrees();
+                    let angle = apart(counts[i] - k - longest_before, species.divergence, 1).to_degrees();
                     assert!(angle >= 39.999, "{angle}°");
                     shoots += 1;
                 }
