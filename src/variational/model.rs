@@ -4,6 +4,7 @@ use glam::DVec3;
 
 use super::draft::{Draft, Lists};
 use super::energy::{Soft, Wish, deviations};
+use crate::nearest::nearest;
 use crate::parallel;
 
 /// The exponents and weights of the energy, in the units of the shape.
@@ -13,6 +14,10 @@ pub(super) struct Weights {
     pub(super) power: f64,
     pub(super) lambda: f64,
     pub(super) mu: f64,
+    /// Of wood outside of the shape, over that inside.
+    pub(super) outside: f64,
+    /// What is farther than this from every shape node is outside, metres.
+    pub(super) margin: f64,
 }
 
 /// The shape nodes in double precision.
@@ -34,11 +39,13 @@ pub(super) struct Terms {
     pub(super) structure: f64,
     pub(super) guidance: f64,
     pub(super) penalty: f64,
+    /// Weighted already.
+    pub(super) outside: f64,
 }
 
 impl Terms {
     pub(super) fn total(&self, weights: &Weights) -> f64 {
-        self.structure + weights.lambda * self.guidance + weights.mu * self.penalty
+        self.structure + weights.lambda * self.guidance + weights.mu * self.penalty + self.outside
     }
 }
 
@@ -57,6 +64,8 @@ pub(super) struct Model<'a> {
     carried: Lists,
     /// d^β of each branch node's internode.
     pub(super) thick: Vec<f64>,
+    /// Of each branch node, then of the middle of each internode, the nearest shape node; empty if the outside costs nothing.
+    anchors: Vec<DVec3>,
 }
 
 impl<'a> Model<'a> {
@@ -68,6 +77,15 @@ impl<'a> Model<'a> {
         for node in (1..draft.len()).rev() {
             flows[draft.parents[node] as usize] += flows[node];
         }
+        let mut anchors = Vec::new();
+        if weights.outside > 0.0 {
+            let middle =
+                |node: usize| draft.positions[node].midpoint(draft.positions[draft.parents[node] as usize]);
+            let mut asked = draft.positions.clone();
+            asked.extend((0..draft.len()).map(middle));
+            let found = nearest(&nodes.places, &asked);
+            anchors = found.into_iter().map(|place| nodes.places[place as usize]).collect();
+        }
         let thick = |&flow: &f64| if flow > 0.0 { nodes.unit * libm::pow(flow, weights.power) } else { 0.0 };
         Self {
             nodes,
@@ -76,6 +94,7 @@ impl<'a> Model<'a> {
             wishes: &draft.wishes,
             carried: Lists::new(draft.len(), &draft.owners),
             thick: flows.iter().map(thick).collect(),
+            anchors,
         }
     }
 
@@ -103,7 +122,7 @@ impl<'a> Model<'a> {
             let pulls: Vec<DVec3> = pulls.collect();
             (structure, guidance, pulls)
         };
-        let mut terms = Terms { structure: 0.0, guidance: 0.0, penalty: 0.0 };
+        let mut terms = Terms { structure: 0.0, guidance: 0.0, penalty: 0.0, outside: 0.0 };
         let mut slope: Vec<DVec3> = Vec::with_capacity(positions.len());
         for (structure, guidance, pulls) in parallel::map(positions.len().div_ceil(CHUNK), carried) {
             terms.structure += structure;
@@ -124,11 +143,39 @@ impl<'a> Model<'a> {
         let mu = self.weights.mu;
         let add = |node: usize, by: DVec3| slope[node] += by * mu;
         terms.penalty = deviations(positions, self.parents, self.wishes, &self.thick, soft, add);
+        terms.outside = self.outside(positions, &mut slope);
         if let Some(gradient) = gradient {
             slope[0] = DVec3::ZERO;
             *gradient = slope;
         }
         terms
+    }
+
+    /// How far branch nodes and the middles of internodes are from the shape, in wood; its slope is added. The trunk up to the
+    /// first branch node does not count.
+    fn outside(&self, positions: &[DVec3], slope: &mut [DVec3]) -> f64 {
+        let mut sum = 0.0;
+        let count = if self.anchors.is_empty() { 0 } else { positions.len() };
+        for node in 1..count {
+            let parent = self.parents[node] as usize;
+            let weight = self.weights.outside * self.thick[node];
+            let mut add = |place: DVec3, anchor: DVec3, shares: [f64; 2]| {
+                let way = place - anchor;
+                let beyond = way.length() - self.weights.margin;
+                if beyond > 0.0 {
+                    sum += weight * beyond;
+                    let pull = way.normalize_or_zero() * weight;
+                    slope[node] += pull * shares[0];
+                    slope[parent] += pull * shares[1];
+                }
+            };
+            add(positions[node], self.anchors[node], [1.0, 0.0]);
+            if parent > 0 {
+                let middle = positions[node].midpoint(positions[parent]);
+                add(middle, self.anchors[count + node], [0.5, 0.5]);
+            }
+        }
+        sum
     }
 
     /// Solves for the step of all branch nodes that Weiszfeld's method would make for `slope`: each length in the energy

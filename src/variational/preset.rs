@@ -268,7 +268,9 @@ fn solid_letter(count: usize, of: char) -> Result<VariationalSynth, ParameterErr
     };
     let levels =
         [axis(6, 0.9, 45.0, Spiral), axis(6, 1.0, 45.0, Spiral), axis(4, 1.0, 40.0, Spiral), twig(1.0)];
-    Ok(tree(&solid, count, 0.26, &levels)?.with_root(Vec3::X * under))
+    // In G and S the price bends more wood than it saves.
+    let price = if matches!(of, 'G' | 'S') { 0.0 } else { 4.0 };
+    Ok(tree(&solid, count, 0.26, &levels)?.with_root(Vec3::X * under).with_outside_price(price))
 }
 
 /// The shape of figure 7, the same for all of its trees.

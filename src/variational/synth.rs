@@ -11,6 +11,7 @@ use super::guidance::GuidanceShape;
 use super::level::Level;
 use super::model::{Model, Nodes, Terms, Weights};
 use super::update::descend;
+use crate::nearest::nearest_few;
 use crate::observer::{Cancelled, Observer, Silent, Work, report};
 use crate::radius::{RadiusError, RadiusModel, Variational};
 use crate::{ParameterError, Skeleton, SkeletonError};
@@ -43,6 +44,7 @@ pub struct VariationalSynth {
     beta: f32,
     lambda: f32,
     mu: f32,
+    outside: f32,
     rounds: u32,
     least_cluster: usize,
     prune_order: u32,
@@ -91,6 +93,8 @@ pub struct Step {
     pub guidance: f64,
     /// `F_P`, metres to the power of 1 + β.
     pub penalty: f64,
+    /// What wood outside of the shape costs, see [`VariationalSynth::with_outside_price`]; metres to the power of 1 + β.
+    pub outside: f64,
     /// Branch nodes, the root included.
     pub branch_nodes: usize,
 }
@@ -182,6 +186,7 @@ impl VariationalSynth {
             beta: 2.0,
             lambda: 1.0,
             mu: 0.2,
+            outside: 0.0,
             rounds: 6,
             least_cluster: 3,
             prune_order: 3,
@@ -214,6 +219,14 @@ impl VariationalSynth {
     /// by default, our choice by eye: the more μ, the more regular the tree and the less it minds its wood.
     pub fn with_weights(mut self, lambda: f32, mu: f32) -> Self {
         (self.lambda, self.mu) = (lambda, mu);
+        self
+    }
+
+    /// Sets the price of wood outside of the shape over that inside, in [0, 1000]; 0 by default, which suits crowns without
+    /// gaps. A branch node, or the middle of an internode, that is farther from every shape node than one and a half times
+    /// their distance from each other costs that many times its wood for each metre. The trunk up to its first branch node is free.
+    pub fn with_outside_price(mut self, price: f32) -> Self {
+        self.outside = price;
         self
     }
 
@@ -279,7 +292,11 @@ impl VariationalSynth {
         let holds = self.alpha > self.beta && self.alpha <= 10.0;
         let above = format!("above beta = {}, at most 10", self.beta);
         ParameterError::unless(holds, "VariationalSynth.alpha", self.alpha, &above)?;
-        for (name, weight) in [("VariationalSynth.lambda", self.lambda), ("VariationalSynth.mu", self.mu)] {
+        for (name, weight) in [
+            ("VariationalSynth.lambda", self.lambda),
+            ("VariationalSynth.mu", self.mu),
+            ("VariationalSynth.outside_price", self.outside),
+        ] {
             ParameterError::unless((0.0..=1000.0).contains(&weight), name, weight, "in [0, 1000]")?;
         }
         let whole = |name: &str, value: u32, least: u32| {
@@ -414,8 +431,13 @@ impl VariationalSynth {
         let foot = unit * libm::pow(flows.iter().sum(), beta / alpha);
         let root = self.root.as_dvec3();
         let size = places.iter().map(|place| place.distance(root)).fold(0.0, f64::max);
-        let weights =
-            Weights { power: beta / alpha, lambda: f64::from(self.lambda) * foot, mu: f64::from(self.mu) };
+        let weights = Weights {
+            power: beta / alpha,
+            lambda: f64::from(self.lambda) * foot,
+            mu: f64::from(self.mu),
+            outside: f64::from(self.outside),
+            margin: if self.outside > 0.0 { MARGIN * spacing(&places) } else { 0.0 },
+        };
         let nodes = Nodes {
             costs: diameters.iter().map(|&d| libm::pow(d, beta)).collect(),
             shares: diameters.iter().map(|&d| d / sum).collect(),
@@ -479,10 +501,10 @@ impl Run<'_, '_> {
 
     /// Notes where the draft stands; returns F.
     fn note(&mut self, kind: StepKind, terms: Terms) -> f64 {
-        let Terms { structure, guidance, penalty } = terms;
+        let Terms { structure, guidance, penalty, outside } = terms;
         let total = terms.total(&self.weights);
         let branch_nodes = self.draft.len();
-        let step = Step { kind, total, structure, guidance, penalty, branch_nodes };
+        let step = Step { kind, total, structure, guidance, penalty, outside, branch_nodes };
         self.trace.push(step);
         if let Some(visit) = &mut self.visit {
             match self.synth.finish(self.draft.clone(), Vec::new()) {
@@ -602,6 +624,19 @@ impl Run<'_, '_> {
 /// How many times a tree is as high as its trunk base is wide, if nothing else is asked for: trees in the open have
 /// between 20 and 60.
 const SLENDERNESS: f32 = 36.0;
+
+/// How many times as far from a shape node as these are from each other the outside begins.
+const MARGIN: f64 = 1.5;
+
+/// The median distance of a shape node from its nearest neighbour.
+fn spacing(places: &[DVec3]) -> f64 {
+    let neighbors = nearest_few(places, places, 2);
+    let mut apart: Vec<f64> = (0..places.len())
+        .map(|i| neighbors[i].iter().map(|&j| places[j as usize].distance(places[i])).fold(0.0, f64::max))
+        .collect();
+    apart.sort_by(f64::total_cmp);
+    apart[apart.len() / 2]
+}
 
 /// Quasi-Newton steps of one update, at most.
 const STEPS: u32 = 20;

@@ -130,7 +130,7 @@ mod tests {
         draft.parents = vec![0, 0, 1, 2, 3, 1, 2, 3, 4];
         draft.wishes = vec![Wish::new(1.0); 9];
         draft.owners = (0..40).map(|i| 1 + i % 8).collect();
-        let weights = Weights { power: 0.8, lambda: 0.0, mu: 0.0 };
+        let weights = Weights { power: 0.8, lambda: 0.0, mu: 0.0, outside: 0.0, margin: 0.0 };
         let model = Model::new(&draft, &nodes, weights);
         let mut positions = draft.positions.clone();
         let wood = |positions: &[DVec3]| model.terms(positions, Soft::NONE, None).structure;
