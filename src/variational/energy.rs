@@ -155,7 +155,7 @@ impl Soft {
 }
 
 /// The share of its weight that a turn counts beside such an angle to the axis; see [`Soft::turn`].
-fn fade(angle: Measured<3>, soft: f64) -> Measured<3> {
+fn fade(angle: &Measured<3>, soft: f64) -> Measured<3> {
     let (sin, cos) = (libm::sin(angle.value), libm::cos(angle.value));
     let (square, floor) = (sin * sin, soft * soft);
     let slope = 2.0 * sin * cos * floor / ((square + floor) * (square + floor));
@@ -206,8 +206,8 @@ pub(super) fn deviations(
             let (value, slope) = size(wrapped(measured.value - wanted));
             let mut weight = weight;
             if soft.turn > 0.0 {
-                let near = fade(angle(at(before), at(bearer), at(node)), soft.turn);
-                let far = fade(angle(at(mate), at(before), at(bearer)), soft.turn);
+                let near = fade(&angle(at(before), at(bearer), at(node)), soft.turn);
+                let far = fade(&angle(at(mate), at(before), at(bearer)), soft.turn);
                 for (node, by) in [before, bearer, node].into_iter().zip(near.gradient) {
                     add(node, by * (weight * value * far.value));
                 }

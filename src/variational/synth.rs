@@ -376,7 +376,7 @@ impl VariationalSynth {
         &self,
         seed: u64,
         observer: &dyn Observer,
-        visit: Option<&mut dyn FnMut(&Step, Skeleton)>,
+        visit: Option<&mut Visit<'_>>,
     ) -> Result<Growth, VariationalError> {
         self.check()?;
         let (nodes, weights, soft) = self.scales();
@@ -477,6 +477,9 @@ impl VariationalSynth {
     }
 }
 
+/// What is shown every step with its tree.
+type Visit<'v> = dyn FnMut(&Step, Skeleton) + 'v;
+
 /// One optimization under way.
 struct Run<'a, 'v> {
     synth: &'a VariationalSynth,
@@ -489,7 +492,7 @@ struct Run<'a, 'v> {
     observer: &'a dyn Observer,
     /// Levels, over all refinements.
     done: u32,
-    visit: Option<&'v mut (dyn FnMut(&Step, Skeleton) + 'v)>,
+    visit: Option<&'v mut Visit<'v>>,
     /// Why a tree could not be shown.
     failed: Option<VariationalError>,
 }
