@@ -11,16 +11,22 @@ use crate::parallel;
 /// Places asked for by one task.
 const CHUNK: usize = 2048;
 
-/// For each of `places` the number of the nearest of `nodes`, of which there is at least one; of those equally near the
-/// lowest. O((n + m) log n); slower where many nodes share a coordinate.
-pub(crate) fn nearest(nodes: &[DVec3], places: &[DVec3]) -> Vec<u32> {
-    // Only the first node of each place goes into the search tree. Plus zero, to make -0 and 0 one place.
+/// The first node of each place: only these go into a search tree.
+fn places_of(nodes: &[DVec3]) -> Vec<([f64; 3], u32)> {
+    // Plus zero, to make -0 and 0 one place.
     let mut kept: Vec<([f64; 3], u32)> =
         (0_u32..).zip(nodes).map(|(i, &p)| ((p + DVec3::ZERO).to_array(), i)).collect();
     let key = |place: &([f64; 3], u32)| place.0.map(f64::to_bits);
     kept.sort_unstable_by_key(|place| (key(place), place.1));
     kept.dedup_by_key(|place| key(place));
     kept.sort_unstable_by_key(|place| place.1);
+    kept
+}
+
+/// For each of `places` the number of the nearest of `nodes`, of which there is at least one; of those equally near the
+/// lowest. O((n + m) log n); slower where many nodes share a coordinate.
+pub(crate) fn nearest(nodes: &[DVec3], places: &[DVec3]) -> Vec<u32> {
+    let kept = places_of(nodes);
     let points: Vec<[f64; 3]> = kept.iter().map(|place| place.0).collect();
     let tree = ImmutableKdTree::<f64, u32, 3, 32>::new_from_slice(&points);
     let find = |place: &DVec3| {
@@ -35,6 +41,26 @@ pub(crate) fn nearest(nodes: &[DVec3], places: &[DVec3]) -> Vec<u32> {
     };
     let chunks: Vec<&[DVec3]> = places.chunks(CHUNK).collect();
     parallel::map(chunks.len(), |i| chunks[i].iter().map(find).collect::<Vec<u32>>()).concat()
+}
+
+/// For each of `places` the `count` nearest of `nodes`, nearest first, fewer if there are no more; of nodes in one place only
+/// the first. O((n + m) log n) for a small count.
+pub(crate) fn nearest_few(nodes: &[DVec3], places: &[DVec3], count: usize) -> Vec<Vec<u32>> {
+    let kept = places_of(nodes);
+    let points: Vec<[f64; 3]> = kept.iter().map(|place| place.0).collect();
+    let tree = ImmutableKdTree::<f64, u32, 3, 32>::new_from_slice(&points);
+    let count = NonZero::new(count.min(kept.len())).unwrap_or(NonZero::<usize>::MIN);
+    let find = |place: &DVec3| {
+        let mut found: Vec<(f64, u32)> = tree
+            .nearest_n::<SquaredEuclidean>(&place.to_array(), count)
+            .into_iter()
+            .map(|near| (near.distance, kept[near.item as usize].1))
+            .collect();
+        found.sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+        found.into_iter().map(|near| near.1).collect::<Vec<u32>>()
+    };
+    let chunks: Vec<&[DVec3]> = places.chunks(CHUNK).collect();
+    parallel::map(chunks.len(), |i| chunks[i].iter().map(find).collect::<Vec<_>>()).concat()
 }
 
 #[cfg(test)]

@@ -1,19 +1,19 @@
 //! The tree at an age: every branch laid out along its heading, in one pass from the trunk outwards.
 
 use super::equation as eq;
-use super::structure::{Axis, Draw, Shoot};
-use super::{Growth, Species};
+use super::structure::{Axis, Draw, FORK_ANGLE, Shoot};
+use super::{Growth, Phenology, Species};
 use crate::math::{self, UP, parallel_transport};
 use crate::random::{Purpose, unit};
 use crate::skeleton::{Skeleton, SkeletonError};
 use glam::Vec3;
 
-/// No branch is thicker at its base than this part of what bears it.
-const THICKEST: f32 = 0.9;
 /// How much of its straying a branch keeps from one shoot to the next.
 const KEPT: f32 = 0.7;
 /// The trunk strays less than branches.
 const TRUNK: f32 = 1.0 / 3.0;
+/// What is left at a branch's tip of how far it leans from its twin.
+const RIGHTED: f32 = 0.3;
 /// Leaves turn their colour in so many groups, so many parts of a year apart.
 const TONES: u32 = 5;
 const TONE_STEP: f32 = 0.015;
@@ -31,6 +31,8 @@ pub struct TreeAtAge {
     pub leaves: Vec<Leaf>,
     /// The buds of the latest shoots: one in each leaf's axil, and one at each tip.
     pub buds: Vec<Bud>,
+    /// Whether each node of the skeleton is dead wood: its branch has died, is bare, and will break off.
+    pub dead: Vec<bool>,
 }
 
 impl TreeAtAge {
@@ -81,14 +83,23 @@ struct Base {
     heading: Vec3,
     /// At right angles to the heading, towards the bearing branch.
     inwards: Vec3,
-    /// Of the bearing branch there, metres.
-    radius: f32,
 }
 
 /// The part of a shoot that has unfolded when the season has come so far: for each of its metamers the sum up to it.
 #[derive(Debug, Default)]
 struct Unfolded {
     sums: Vec<f32>,
+}
+
+impl Unfolded {
+    fn new(phenology: &Phenology, progress: f32, metamers: u32) -> Self {
+        let mut sum = 0.0;
+        let sums = (0..metamers).map(|k| {
+            sum += phenology.internode_growth.at(phenology.development(progress, k, metamers));
+            sum / metamers as f32
+        });
+        Self { sums: sums.collect() }
+    }
 }
 
 pub(super) fn at(growth: &Growth, age: f32) -> Result<TreeAtAge, SkeletonError> {
@@ -111,6 +122,8 @@ struct Layout<'a> {
     progress: f32,
     /// By the number of metamers.
     unfolded: Vec<Option<Unfolded>>,
+    /// For each branch the pipes through its base; see [`Structure::pipes`](super::structure::Structure::pipes).
+    pipes: Vec<f64>,
     /// Of the branches that stand.
     bases: Vec<Option<Base>>,
     positions: Vec<Vec3>,
@@ -122,6 +135,7 @@ struct Layout<'a> {
     ids: Vec<u32>,
     leaves: Vec<Leaf>,
     buds: Vec<Bud>,
+    dead: Vec<bool>,
     colors: [[f32; 3]; TONES as usize],
     leaf_share: f32,
 }
@@ -144,6 +158,7 @@ impl<'a> Layout<'a> {
             time,
             progress: phenology.progress(time),
             unfolded: Vec::new(),
+            pipes: Vec::new(),
             bases: Vec::new(),
             positions: vec![Vec3::ZERO],
             parents: vec![None],
@@ -154,6 +169,7 @@ impl<'a> Layout<'a> {
             ids: vec![0],
             leaves: Vec::new(),
             buds: Vec::new(),
+            dead: vec![false],
             colors,
             leaf_share: phenology.least_share(time),
         }
@@ -161,14 +177,9 @@ impl<'a> Layout<'a> {
 
     fn run(&mut self) {
         let structure = &self.growth.structure;
+        self.pipes = structure.pipes(self.year, self.progress);
         self.bases = vec![None; structure.axes.len()];
-        self.bases[0] = Some(Base {
-            node: 0,
-            position: Vec3::ZERO,
-            heading: UP,
-            inwards: Vec3::X,
-            radius: f32::INFINITY,
-        });
+        self.bases[0] = Some(Base { node: 0, position: Vec3::ZERO, heading: UP, inwards: Vec3::X });
         for (number, axis) in structure.axes.iter().enumerate() {
             if axis.first_year > self.year {
                 // Branches are in the order of their years.
@@ -184,18 +195,28 @@ impl<'a> Layout<'a> {
     fn lay_out(&mut self, number: usize, axis: &Axis, base: Base) {
         let growth = self.growth;
         let species = self.species;
-        let shoots = growth.structure.shoots_until(axis, self.year);
+        let is_dead = axis.died <= self.age;
+        let shoots = growth.structure.shoots_until(axis, axis.last_year(self.year));
         let last = shoots.len() - 1;
         let before =
             if last > 0 { shoots[last - 1] } else { Shoot { length: 0.0, metamers: 0, first_node: 0 } };
         let unfolding = shoots[last].metamers - before.metamers;
-        let sums = std::mem::take(self.unfolded(unfolding));
+        let sums = if is_dead {
+            let progress = 1.0;
+            Unfolded::new(&species.phenology, progress, unfolding)
+        } else {
+            std::mem::take(self.unfolded(unfolding))
+        };
         let length =
             before.length + (shoots[last].length - before.length) * sums.sums[unfolding as usize - 1];
         if length > 0.0 {
             let mut path = Path::new(growth, number, axis, base, length);
+            let (year, progress) = (self.year, self.progress);
+            let grown = growth.structure.metamers(axis, year, progress);
+            // Of the laterals above the node at hand.
+            let mut lateral_pipes = self.pipes[number] - grown;
             if number == 0 {
-                self.radii[0] = path.radius(0.0);
+                self.radii[0] = growth.thickness.radius(self.pipes[0].max(1.0));
             }
             let mut at = Foot { node: base.node, along: 0.0, position: base.position };
             let borne = growth.structure.borne_starts[number] as usize
@@ -213,7 +234,10 @@ impl<'a> Layout<'a> {
                     } else {
                         from + (shoot.length - from) * sums.sums[k as usize]
                     };
-                    if i == last && along <= at.along {
+                    // Asked of the parts and not of the lengths: internodes may be shorter than a float's step.
+                    let unfolds =
+                        |k: u32| sums.sums[k as usize] > if k > 0 { sums.sums[k as usize - 1] } else { 0.0 };
+                    if i == last && !unfolds(k) {
                         // Not yet unfolded, nor are those above it.
                         break;
                     }
@@ -221,29 +245,45 @@ impl<'a> Layout<'a> {
                     let direction = path.direction(0.5 * (at.along + along), part);
                     at.position += direction * (along - at.along);
                     at.along = along;
-                    let radius = path.radius(along);
-                    at.node = self.push(at, radius, year, axis.order, shoot.first_node + k);
                     let bearer = count + k;
+                    // In the shoot that unfolds each metamer's pipe does so too.
+                    let own = if i == last && !is_dead {
+                        let unfolded = (grown - f64::from(count)) / f64::from(metamers);
+                        f64::from(metamers - k) * unfolded
+                    } else {
+                        grown - f64::from(bearer)
+                    };
+                    let radius = growth.thickness.radius(own + lateral_pipes.max(0.0));
+                    at.node = self.push(at, radius, year, axis.order, shoot.first_node + k);
+                    self.dead.push(is_dead);
                     while let Some(branch) =
                         borne.next_if(|&b| growth.structure.axes[b as usize].bearer == bearer)
                     {
+                        lateral_pipes -= self.pipes[branch as usize];
                         let lateral = &growth.structure.axes[branch as usize];
+                        if lateral.is_twin && lateral.first_year <= self.year {
+                            path.forks.push((along, path.outward(direction, path.azimuth(bearer, 0))));
+                        }
                         if lateral.first_year <= self.year && lateral.lost > self.age {
-                            self.bases[branch as usize] = Some(path.lateral(lateral, direction, at, radius));
+                            self.bases[branch as usize] = Some(path.lateral(lateral, direction, at));
                         }
                     }
-                    let is_young = self.year - year < species.phenology.leaf_years.max(2);
+                    let is_young = !is_dead && self.year - year < species.phenology.leaf_years.max(2);
                     if is_young {
-                        self.organs(&path, at, direction, radius, year, bearer, k, metamers);
+                        for place in 0..species.whorl {
+                            self.organs(&path, at, direction, radius, year, (bearer, place), k, metamers);
+                        }
                     }
                 }
                 (from, count) = (shoot.length, shoot.metamers);
             }
-            if at.along > 0.0 {
+            if at.along > 0.0 && !is_dead {
                 self.apical_bud(at, path.direction(length, 1.0), last);
             }
         }
-        *self.unfolded(unfolding) = sums;
+        if !is_dead {
+            *self.unfolded(unfolding) = sums;
+        }
     }
 
     /// How much of a shoot of so many metamers has unfolded.
@@ -253,14 +293,7 @@ impl<'a> Layout<'a> {
             self.unfolded.resize_with(number + 1, || None);
         }
         let (phenology, progress) = (&self.species.phenology, self.progress);
-        self.unfolded[number].get_or_insert_with(|| {
-            let mut sum = 0.0;
-            let sums = (0..metamers).map(|k| {
-                sum += phenology.internode_growth.at(phenology.development(progress, k, metamers));
-                sum / metamers as f32
-            });
-            Unfolded { sums: sums.collect() }
-        })
+        self.unfolded[number].get_or_insert_with(|| Unfolded::new(phenology, progress, metamers))
     }
 
     fn push(&mut self, at: Foot, radius: f32, year: u16, order: u16, id: u32) -> u32 {
@@ -284,16 +317,16 @@ impl<'a> Layout<'a> {
         direction: Vec3,
         radius: f32,
         year: u16,
-        bearer: u32,
+        (bearer, place): (u32, u16),
         number: u32,
         of: u32,
     ) {
         let phenology = &self.species.phenology;
         let winters = self.year - year;
-        let outward = path.outward(direction, path.azimuth(bearer));
+        let outward = path.outward(direction, path.azimuth(bearer, place));
         let position = at.position + outward * radius;
         let started = self.progress > 0.0;
-        let id = u64::from(self.ids[at.node as usize]);
+        let id = u64::from(self.ids[at.node as usize]) | u64::from(place) << 32;
         let draw = |draw: Draw| unit(self.growth.seed, draw as u32, Purpose::GROWTH, id);
         let bud = match winters {
             0 => phenology.bud(self.time, number, of),
@@ -318,7 +351,7 @@ impl<'a> Layout<'a> {
         let midrib = direction * cos + outward * sin;
         // The upper side looks to the light, as far as the midrib lets it.
         let adaxial = direction * sin - outward * cos;
-        let towards = adaxial + UP * 1.5;
+        let towards = adaxial + UP * phenology.light_turn;
         let normal = (towards - midrib * towards.dot(midrib)).normalize_or(adaxial);
         let tone = (draw(Draw::Tone) * TONES as f32) as usize;
         let color = self.colors[tone];
@@ -347,7 +380,7 @@ impl<'a> Layout<'a> {
             .with_stages(self.stages)?
             .with_orders(self.orders)?
             .with_hops(self.hops)?;
-        Ok(TreeAtAge { skeleton, ids: self.ids, leaves: self.leaves, buds: self.buds })
+        Ok(TreeAtAge { skeleton, ids: self.ids, leaves: self.leaves, buds: self.buds, dead: self.dead })
     }
 }
 
@@ -359,7 +392,7 @@ struct Foot {
     position: Vec3,
 }
 
-/// The course and the thickness of one branch.
+/// The course of one branch.
 struct Path<'a> {
     species: &'a Species,
     seed: u64,
@@ -369,23 +402,19 @@ struct Path<'a> {
     /// At right angles to heading and `inwards`.
     aside: Vec3,
     length: f32,
-    /// By its length alone, without that of a twig, metres.
-    base_radius: f32,
     /// `s_θ` of equation 8.
     share: f32,
     /// Where laterals begin to count about the branch, radians.
     turn: f64,
-    /// How much thinner it is than its length says, because of what bears it.
-    thinning: f32,
     /// How far it strays inwards and aside before and after the shoot at hand.
     strays: [[f32; 2]; 2],
+    /// How far from the base it forks, metres, and where its twin goes there, at right angles to it.
+    forks: Vec<(f32, Vec3)>,
 }
 
 impl<'a> Path<'a> {
     fn new(growth: &'a Growth, number: usize, axis: &Axis, base: Base, length: f32) -> Self {
         let species = &growth.species;
-        let base_radius = species.stoutness * length * (length / species.longest_branch).sqrt();
-        let thickness = species.twig_radius + base_radius * species.taper.at(0.0);
         let number = number as u64;
         // Where the trunk's laterals begin is fixed, so that drawings of flat trees are seen from the front.
         let turn =
@@ -398,11 +427,10 @@ impl<'a> Path<'a> {
             base,
             aside: base.heading.cross(base.inwards),
             length,
-            base_radius,
             share: eq::length_share(length, species.longest_branch),
             turn: f64::from(turn) * std::f64::consts::TAU,
-            thinning: (THICKEST * base.radius / thickness).min(1.0),
             strays: [[0.0; 2]; 2],
+            forks: Vec::new(),
         }
     }
 
@@ -418,6 +446,19 @@ impl<'a> Path<'a> {
 
     /// The direction at so many metres from the base, which is such a part of the shoot at hand; of length 1.
     fn direction(&self, along: f32, part: f32) -> Vec3 {
+        let mut direction = self.unforked(along, part);
+        for &(place, twin) in &self.forks {
+            // It rights itself again on its way.
+            let left = 1.0
+                - (1.0 - RIGHTED)
+                    * ((along - place) / (self.length - place).max(f32::MIN_POSITIVE)).clamp(0.0, 1.0);
+            let (sin, cos) = math::sin_cos(FORK_ANGLE * left);
+            direction = (direction * cos - twin * sin).normalize_or(direction);
+        }
+        direction
+    }
+
+    fn unforked(&self, along: f32, part: f32) -> Vec3 {
         let place = along / self.length;
         let Base { heading, inwards, .. } = self.base;
         let [before, after] = self.strays;
@@ -432,15 +473,10 @@ impl<'a> Path<'a> {
         (turned + strayed + UP * (self.species.tropism * place)).normalize_or(turned)
     }
 
-    /// Metres, at so many metres from the base.
-    fn radius(&self, along: f32) -> f32 {
-        let taper = self.species.taper.at(along / self.length);
-        self.thinning * (self.species.twig_radius + self.base_radius * taper)
-    }
-
-    /// Of what a metamer bears, about the branch, radians.
-    fn azimuth(&self, bearer: u32) -> f32 {
-        let turned = f64::from(self.species.divergence) * f64::from(bearer) + self.turn;
+    /// Of one of the whorl that a metamer bears, about the branch, radians.
+    fn azimuth(&self, bearer: u32, place: u16) -> f32 {
+        let around = std::f64::consts::TAU * f64::from(place) / f64::from(self.species.whorl);
+        let turned = f64::from(self.species.divergence) * f64::from(bearer) + self.turn + around;
         (turned % std::f64::consts::TAU) as f32
     }
 
@@ -452,12 +488,12 @@ impl<'a> Path<'a> {
         normal * cos + direction.cross(normal) * sin
     }
 
-    fn lateral(&self, lateral: &Axis, direction: Vec3, at: Foot, radius: f32) -> Base {
-        let outward = self.outward(direction, self.azimuth(lateral.bearer));
+    fn lateral(&self, lateral: &Axis, direction: Vec3, at: Foot) -> Base {
+        let outward = self.outward(direction, self.azimuth(lateral.bearer, lateral.place));
         let (sin, cos) = math::sin_cos(lateral.angle);
         let heading = (direction * cos + outward * sin).normalize_or(outward);
         let inwards = direction * sin - outward * cos;
         let inwards = (inwards - heading * inwards.dot(heading)).normalize_or(math::perpendicular(heading));
-        Base { node: at.node, position: at.position, heading, inwards, radius }
+        Base { node: at.node, position: at.position, heading, inwards }
     }
 }

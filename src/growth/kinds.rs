@@ -1,8 +1,12 @@
-//! Five species, told apart by curves and limits alone. Heights and habits are as floras give them; the curves are drawn
+//! Eight species, told apart by curves and limits alone. Heights and habits are as floras give them; the curves are drawn
 //! by eye.
 
 use super::{Curve, Phenology, Species};
 use crate::math;
+use std::f32::consts::FRAC_PI_2;
+
+/// How much leaves turn to the light.
+pub(super) const LIGHT_TURN: f32 = 1.5;
 
 /// The golden angle, as the paper rounds it.
 const DIVERGENCE: f32 = 2.399_827_7;
@@ -33,6 +37,7 @@ impl Default for Phenology {
             stagger: 0.55,
             bud_size: 0.012,
             leaf_angle: 65.0f32.to_radians(),
+            light_turn: LIGHT_TURN,
             internode_growth: Curve::of([[0.0, 0.0], [0.25, 0.12], [0.6, 0.85], [1.0, 1.0]]),
             leaf_growth: Curve::of([[0.0, 0.0], [0.2, 0.15], [0.7, 0.9], [1.0, 1.0]]),
             bud_growth: Curve::of([[0.0, 0.0], [0.3, 0.1], [0.7, 1.0]]),
@@ -56,6 +61,8 @@ impl Species {
             least_scale: 0.09,
             most_order: 5,
             divergence: DIVERGENCE,
+            whorl: 1,
+            forking: 0.0,
             stoutness: 0.0095,
             twig_radius: 0.0022,
             variation: 0.13,
@@ -92,7 +99,6 @@ impl Species {
             ]),
             metamers: Curve::of([[0.0, 2.0], [0.1, 6.0], [0.3, 11.0], [1.0, 24.0]]),
             shoot_scale: Curve::of([[0.0, 0.0], [0.35, 0.04], [0.65, 0.3], [0.88, 0.72], [1.0, 1.0]]),
-            taper: Curve::of([[0.0, 1.0], [0.04, 0.86], [0.3, 0.62], [0.7, 0.25], [1.0, 0.0]]),
             branching_angle: Curve::degrees([[0.0, 80.0], [0.1, 66.0], [0.3, 46.0], [0.6, 35.0]]),
             phenology: Phenology::default(),
         }
@@ -121,7 +127,6 @@ impl Species {
             lifespan: Curve::of([[0.0, 1.5], [0.4, 4.0], [0.55, 8.0], [0.64, 15.0], [0.7, 60.0]]),
             metamers: Curve::of([[0.0, 1.0], [0.1, 3.0], [0.3, 6.0], [1.0, 12.0]]),
             shoot_scale: Curve::of([[0.0, 0.0], [0.5, 0.0], [0.7, 0.6], [0.85, 0.92], [1.0, 1.0]]),
-            taper: Curve::of([[0.0, 1.0], [0.05, 0.9], [0.5, 0.5], [1.0, 0.0]]),
             branching_angle: Curve::degrees([[0.0, 80.0], [1.0, 75.0]]),
             phenology: Phenology {
                 season: [0.35, 0.55],
@@ -188,6 +193,128 @@ impl Species {
             phenology: Phenology {
                 leaf_size: Curve::of([[0.0, 0.05], [1.0, 0.065]]),
                 bud_size: 0.007,
+                ..Phenology::default()
+            },
+            ..Self::cottonwood()
+        }
+    }
+
+    /// A Norway maple in the open over 40 years: opposite branches, a trunk that forks low into limbs of like strength, a round
+    /// crown on dense twigs.
+    pub fn norway_maple() -> Self {
+        Self {
+            whorl: 2,
+            divergence: FRAC_PI_2,
+            forking: 0.03,
+            years: 40,
+            longest_branch: 8.0,
+            least_scale: 0.3,
+            most_order: 4,
+            stoutness: 0.011,
+            twig_radius: 0.002,
+            variation: 0.14,
+            tropism: 0.5,
+            height: Curve::of([[0.0, 0.0], [0.1, 2.6], [0.4, 8.4], [1.0, 13.0]]),
+            young_silhouette: Curve::of([[0.0, 0.6], [0.5, 0.55], [1.0, 0.08]]),
+            mature_silhouette: Curve::of([[0.0, 0.75], [0.35, 0.85], [0.7, 0.7], [0.9, 0.4], [1.0, 0.1]]),
+            short_heading: Curve::degrees([[0.0, 0.0], [1.0, 22.0]]),
+            long_heading: Curve::degrees([[0.0, 0.0], [0.3, -8.0], [1.0, 26.0]]),
+            branch_scale: Curve::of([[0.0, 0.7], [0.2, 0.95], [1.0, 0.9]]),
+            lifespan: Curve::of([
+                [0.0, 1.0],
+                [0.4, 4.0],
+                [0.6, 9.0],
+                [0.75, 16.0],
+                [0.85, 60.0],
+                [1.0, 80.0],
+            ]),
+            metamers: Curve::of([[0.0, 1.0], [0.1, 3.0], [0.3, 5.0], [1.0, 9.0]]),
+            branching_angle: Curve::degrees([[0.0, 62.0], [0.3, 52.0], [0.7, 42.0]]),
+            phenology: Phenology {
+                leaf_size: Curve::of([[0.0, 0.1], [1.0, 0.13]]),
+                leaf_angle: 60.0f32.to_radians(),
+                ..Phenology::default()
+            },
+            ..Self::cottonwood()
+        }
+    }
+
+    /// A European ash over 40 years: opposite, open, stout shoots that turn up, long feathered leaves.
+    pub fn european_ash() -> Self {
+        Self {
+            whorl: 2,
+            divergence: FRAC_PI_2,
+            forking: 0.02,
+            years: 40,
+            longest_branch: 9.0,
+            least_scale: 0.4,
+            most_order: 3,
+            stoutness: 0.011,
+            twig_radius: 0.004,
+            variation: 0.12,
+            tropism: 0.7,
+            height: Curve::of([[0.0, 0.0], [0.1, 3.0], [0.4, 10.5], [1.0, 17.0]]),
+            young_silhouette: Curve::of([[0.0, 0.4], [0.6, 0.36], [1.0, 0.08]]),
+            mature_silhouette: Curve::of([[0.0, 0.6], [0.4, 0.66], [0.75, 0.52], [1.0, 0.1]]),
+            short_heading: Curve::degrees([[0.0, 0.0], [1.0, 30.0]]),
+            long_heading: Curve::degrees([[0.0, 0.0], [0.35, -18.0], [0.7, -8.0], [1.0, 34.0]]),
+            branch_scale: Curve::of([[0.0, 0.7], [0.25, 1.0], [1.0, 0.9]]),
+            lifespan: Curve::of([
+                [0.0, 1.0],
+                [0.4, 3.0],
+                [0.6, 7.0],
+                [0.75, 14.0],
+                [0.85, 60.0],
+                [1.0, 80.0],
+            ]),
+            metamers: Curve::of([[0.0, 1.0], [0.1, 2.0], [0.3, 4.0], [1.0, 7.0]]),
+            branching_angle: Curve::degrees([[0.0, 58.0], [0.3, 48.0], [0.7, 38.0]]),
+            phenology: Phenology {
+                season: [0.34, 0.56],
+                leaf_size: Curve::of([[0.0, 0.22], [1.0, 0.3]]),
+                leaf_angle: 52.0f32.to_radians(),
+                ..Phenology::default()
+            },
+            ..Self::cottonwood()
+        }
+    }
+
+    /// A horse chestnut over 40 years: opposite stout shoots, limbs that rise, dip and turn up at their ends; shoots that flower
+    /// fork.
+    pub fn horse_chestnut() -> Self {
+        Self {
+            whorl: 2,
+            divergence: FRAC_PI_2,
+            forking: 0.045,
+            years: 40,
+            longest_branch: 8.0,
+            least_scale: 0.4,
+            most_order: 3,
+            stoutness: 0.014,
+            twig_radius: 0.004,
+            variation: 0.1,
+            tropism: 0.35,
+            height: Curve::of([[0.0, 0.0], [0.1, 2.4], [0.4, 8.0], [1.0, 12.5]]),
+            young_silhouette: Curve::of([[0.0, 0.55], [0.5, 0.5], [1.0, 0.08]]),
+            mature_silhouette: Curve::of([[0.0, 0.8], [0.4, 0.86], [0.75, 0.62], [1.0, 0.12]]),
+            short_heading: Curve::degrees([[0.0, 0.0], [1.0, 28.0]]),
+            long_heading: Curve::degrees([[0.0, 6.0], [0.4, -26.0], [0.75, -20.0], [1.0, 40.0]]),
+            branch_scale: Curve::of([[0.0, 0.7], [0.2, 0.95], [1.0, 0.9]]),
+            lifespan: Curve::of([
+                [0.0, 1.0],
+                [0.4, 4.0],
+                [0.6, 9.0],
+                [0.75, 16.0],
+                [0.85, 60.0],
+                [1.0, 80.0],
+            ]),
+            metamers: Curve::of([[0.0, 1.0], [0.1, 2.0], [0.3, 3.0], [1.0, 6.0]]),
+            branching_angle: Curve::degrees([[0.0, 62.0], [0.3, 54.0], [0.7, 46.0]]),
+            phenology: Phenology {
+                season: [0.27, 0.5],
+                leaf_size: Curve::of([[0.0, 0.14], [1.0, 0.2]]),
+                leaf_angle: 70.0f32.to_radians(),
+                bud_size: 0.022,
                 ..Phenology::default()
             },
             ..Self::cottonwood()

@@ -18,6 +18,7 @@ mod kinds;
 mod phenology;
 mod species;
 mod structure;
+mod thickness;
 mod timeline;
 
 pub use curve::Curve;
@@ -29,6 +30,7 @@ pub use timeline::Timeline;
 use crate::ParameterError;
 use crate::skeleton::SkeletonError;
 use structure::Structure;
+use thickness::Thickness;
 
 /// The most nodes unless it is said otherwise: some 400 MB.
 const MOST_NODES: u32 = 4_000_000;
@@ -80,6 +82,7 @@ pub struct Growth {
     seed: u64,
     most_nodes: u32,
     structure: Structure,
+    thickness: Thickness,
 }
 
 impl Growth {
@@ -104,15 +107,17 @@ impl Growth {
         let holds = (1..=1 << 31).contains(&most_nodes);
         ParameterError::unless(holds, "Growth.most_nodes", most_nodes, "1 to 2^31")?;
         let structure = Structure::new(&species, seed, most_nodes);
-        Ok(Self { species, seed, most_nodes, structure })
+        let thickness = Thickness::new(&species, structure.trunk_length(), structure.all_pipes());
+        Ok(Self { species, seed, most_nodes, structure, thickness })
     }
 
     /// The tree at an age in years since germination, 0 to the species' greatest age. At 0 it is a root alone, of which no
     /// mesh comes; a whole number is midwinter, when broad-leaved trees are bare: 20.6 is the 21st summer.
     ///
     /// Within a season shoots unfold; at the end of year y every branch is as long as equation 7 or 12 says for y. All
-    /// places move smoothly with the age; a branch that is lost goes at once, with all it bears. One pass over the
-    /// branches that stand. O(nodes) time.
+    /// places move smoothly with the age, and no wood ever gets thinner. A branch that dies, at the end of a year, stands
+    /// bare for some time, a limb for years, with all it bears, before it breaks off: [`TreeAtAge::dead`]. O(nodes) time for the
+    /// branches that ever were.
     ///
     /// # Errors
     /// An age that is negative, not finite or greater than the greatest; [`GrowthError::Limit`] where years are missing.

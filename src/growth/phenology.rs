@@ -18,11 +18,18 @@ pub struct Phenology {
     pub(super) stagger: f32,
     pub(super) bud_size: f32,
     pub(super) leaf_angle: f32,
+    #[cfg_attr(feature = "serde", serde(default = "light_turn"))]
+    pub(super) light_turn: f32,
     pub(super) internode_growth: Curve,
     pub(super) leaf_growth: Curve,
     pub(super) bud_growth: Curve,
     pub(super) leaf_size: Curve,
     pub(super) leaf_share: Curve,
+}
+
+#[cfg(feature = "serde")]
+fn light_turn() -> f32 {
+    super::kinds::LIGHT_TURN
 }
 
 impl Phenology {
@@ -53,6 +60,13 @@ impl Phenology {
     /// The length of a full-grown bud, metres, 0 to 1; 0 for none.
     pub fn with_bud_size(mut self, metres: f32) -> Self {
         self.bud_size = metres;
+        self
+    }
+
+    /// How much the upper sides of leaves turn to the light from above, beside how much they keep facing along their twig, 0 to
+    /// 100; 0 for not at all, 1.5 by default.
+    pub fn with_light_turn(mut self, weight: f32) -> Self {
+        self.light_turn = weight;
         self
     }
 
@@ -119,6 +133,7 @@ impl Phenology {
             ("stagger", self.stagger, 0.95),
             ("bud_size", self.bud_size, 1.0),
             ("leaf_angle", self.leaf_angle, PI),
+            ("light_turn", self.light_turn, 100.0),
         ] {
             let holds = (0.0..=most).contains(&value);
             ParameterError::unless(holds, &format!("Phenology.{name}"), value, &format!("0 to {most}"))?;

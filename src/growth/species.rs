@@ -7,7 +7,7 @@ use std::f32::consts::TAU;
 
 /// A species: the paper's functions G as [`Curve`]s, with their limits.
 ///
-/// `Species::default()` is the paper's, [`cottonwood`](Self::cottonwood); four others stand beside it. A value is checked
+/// `Species::default()` is the paper's, [`cottonwood`](Self::cottonwood); seven others stand beside it. A value is checked
 /// where growth starts.
 ///
 /// ```
@@ -27,6 +27,10 @@ pub struct Species {
     pub(super) least_scale: f32,
     pub(super) most_order: u16,
     pub(super) divergence: f32,
+    #[cfg_attr(feature = "serde", serde(default = "one"))]
+    pub(super) whorl: u16,
+    #[cfg_attr(feature = "serde", serde(default))]
+    pub(super) forking: f32,
     pub(super) stoutness: f32,
     pub(super) twig_radius: f32,
     pub(super) variation: f32,
@@ -41,7 +45,6 @@ pub struct Species {
     pub(super) lifespan: Curve,
     pub(super) metamers: Curve,
     pub(super) shoot_scale: Curve,
-    pub(super) taper: Curve,
     pub(super) branching_angle: Curve,
     pub(super) phenology: Phenology,
 }
@@ -85,9 +88,27 @@ impl Species {
         self
     }
 
-    /// How thick branches are: the radius of the base of one of the [greatest length](Self::with_longest_branch) over that
-    /// length, 0 to 1.
-    /// Radii are as length to the power of 1.5, as elastic similarity has it (`McMahon` 1973).
+    /// How many leaves, buds and laterals stand at each metamer, evenly around the axis, 1 to 8: 2 for opposite ones, and with a
+    /// [divergence](Self::with_divergence) of a right angle for decussate ones.
+    pub fn with_whorl(mut self, count: u16) -> Self {
+        self.whorl = count;
+        self
+    }
+
+    /// How likely a branch forks at the end of a year's shoot, 0 to 1: into itself and a twin that is as strong from then on,
+    /// both leaning away from each other.
+    pub fn with_forking(mut self, chance: f32) -> Self {
+        self.forking = chance;
+        self
+    }
+
+    /// How thick the trunk base is at the greatest age: its radius over the trunk's length if that is the
+    /// [greatest of a branch](Self::with_longest_branch), 0 to 1; otherwise as length to the power of 1.5, as elastic
+    /// similarity has it (`McMahon` 1973).
+    ///
+    /// All other wood follows by the pipe model (Shinozaki and others 1964), `r^a` being in proportion to the number of
+    /// metamers ever borne. Its exponent a, in [2, 2.4], is chosen so that the trunk base comes out as thick; twigs get
+    /// between half and one and a half of their [radius](Self::with_twig_radius) if that does not suffice.
     pub fn with_stoutness(mut self, ratio: f32) -> Self {
         self.stoutness = ratio;
         self
@@ -181,13 +202,6 @@ impl Species {
         self
     }
 
-    /// The radius along a branch beside that of its base, 0 to 1, over the relative position; the radius of a
-    /// [twig](Self::with_twig_radius) is added.
-    pub fn with_taper(mut self, curve: Curve) -> Self {
-        self.taper = curve;
-        self
-    }
-
     /// The angle between a branch and the one that bears it, radians, 0.05 to 2.8, over the length of its first shoot
     /// beside the longest shoot of the trunk.
     pub fn with_branching_angle(mut self, curve: Curve) -> Self {
@@ -222,7 +236,7 @@ impl Species {
     }
 
     /// Each curve of its own with its name, and its least and greatest value.
-    fn ranges(&self) -> [(&'static str, &Curve, f32, f32); 11] {
+    fn ranges(&self) -> [(&'static str, &Curve, f32, f32); 10] {
         [
             ("height", &self.height, 0.0, 1000.0),
             ("young_silhouette", &self.young_silhouette, 0.0, 10.0),
@@ -233,7 +247,6 @@ impl Species {
             ("lifespan", &self.lifespan, 0.0, 10000.0),
             ("metamers", &self.metamers, 0.0, 1000.0),
             ("shoot_scale", &self.shoot_scale, 0.0, 1.0),
-            ("taper", &self.taper, 0.0, 1.0),
             ("branching_angle", &self.branching_angle, 0.05, 2.8),
         ]
     }
@@ -247,7 +260,10 @@ impl Species {
         ParameterError::unless((1..=1000).contains(&years), "Species.years", years, "1 to 1000")?;
         let order = self.most_order;
         ParameterError::unless(order <= 16, "Species.most_order", order, "0 to 16")?;
+        let whorl = self.whorl;
+        ParameterError::unless((1..=8).contains(&whorl), "Species.whorl", whorl, "1 to 8")?;
         for (name, value, least, most) in [
+            ("forking", self.forking, 0.0, 1.0),
             ("least_shoot", self.least_shoot, 0.0001, 10.0),
             ("longest_branch", self.longest_branch, 0.001, 10000.0),
             ("least_scale", self.least_scale, 0.0, 1.0),
@@ -267,4 +283,9 @@ impl Species {
         }
         self.phenology.check()
     }
+}
+
+#[cfg(feature = "serde")]
+fn one() -> u16 {
+    1
 }

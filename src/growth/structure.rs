@@ -21,7 +21,18 @@ pub(super) enum Draw {
     Aside = 4,
     Fall = 5,
     Tone = 6,
+    Break = 7,
+    Fork = 8,
 }
+
+/// How far the two of a fork lean away from what bears them, each, radians.
+pub(super) const FORK_ANGLE: f32 = 0.4;
+
+/// The years that any dead branch stands at least, and those beyond that one of a metre stands on average; they go with the
+/// root of the length.
+const LEAST_BARE: f32 = 0.2;
+const BARE_YEARS: f32 = 1.6;
+const MOST_BARE_YEARS: f32 = 6.0;
 
 /// A branch, the trunk included.
 #[derive(Debug, Clone)]
@@ -30,10 +41,19 @@ pub(super) struct Axis {
     pub(super) parent: u32,
     /// The metamer of that branch at whose upper end it springs.
     pub(super) bearer: u32,
+    /// Which of the whorl at that metamer it is, from 0.
+    pub(super) place: u16,
+    /// Whether it is half of a fork: as long as its parent branch beyond it, which leans the other way.
+    pub(super) is_twin: bool,
     pub(super) order: u16,
+    /// Its order without the forks on the way: a twin has its parent branch's.
+    pub(super) rank: u16,
     /// The year of its first shoot, from 1.
     pub(super) first_year: u16,
-    /// The tree's age at which it is lost with all it bears; infinite for the trunk.
+    /// The tree's age at which it dies with all it bears, at the end of a year; infinite for the trunk. From then on it does
+    /// not grow, and no leaf comes.
+    pub(super) died: f32,
+    /// The tree's age at which it breaks off with all it bears, some time after its death; infinite for the trunk.
     pub(super) lost: f32,
     /// `s_b` of equation 15.
     pub(super) scale: f32,
@@ -71,6 +91,13 @@ pub(super) struct Structure {
     pub(super) nodes: u32,
 }
 
+impl Axis {
+    /// The last year, up to `year`, in which it grows.
+    pub(super) fn last_year(&self, year: u16) -> u16 {
+        if f32::from(year) > self.died { self.died as u16 } else { year }
+    }
+}
+
 impl Structure {
     pub(super) fn new(species: &Species, seed: u64, most_nodes: u32) -> Self {
         let mut builder = Builder::new(species, seed, most_nodes);
@@ -86,6 +113,42 @@ impl Structure {
             }
         }
         builder.finish(years, refused)
+    }
+
+    /// For each branch the pipes that run through its base when `progress` of the season of `year` is over: one for each
+    /// metamer that it or what it bears has ever had, also where that is lost, for rings stay. One pass from the tips
+    /// to the root, O(branches).
+    pub(super) fn pipes(&self, year: u16, progress: f32) -> Vec<f64> {
+        let mut pipes = vec![0.0; self.axes.len()];
+        let sprouted = self.axes.partition_point(|axis| axis.first_year <= year);
+        for number in (0..sprouted).rev() {
+            let axis = &self.axes[number];
+            pipes[number] += self.metamers(axis, year, progress);
+            if number > 0 {
+                pipes[axis.parent as usize] += pipes[number];
+            }
+        }
+        pipes
+    }
+
+    /// The length of the trunk at the greatest age, metres.
+    pub(super) fn trunk_length(&self) -> f32 {
+        let next = self.axes.get(1).map_or(self.shoots.len(), |axis| axis.start as usize);
+        self.shoots[next - 1].length
+    }
+
+    /// The pipes at the trunk base in the last year there is.
+    pub(super) fn all_pipes(&self) -> f64 {
+        if self.years > 0 { self.pipes(self.years, 1.0)[0] } else { 1.0 }
+    }
+
+    /// The metamers of a branch when `progress` of the season of `year` is over.
+    pub(super) fn metamers(&self, axis: &Axis, year: u16, progress: f32) -> f64 {
+        let last = axis.last_year(year);
+        let shoots = self.shoots_until(axis, last);
+        let now = f64::from(shoots[shoots.len() - 1].metamers);
+        let before = if shoots.len() > 1 { f64::from(shoots[shoots.len() - 2].metamers) } else { 0.0 };
+        if last < year { now } else { before + (now - before) * f64::from(progress) }
     }
 
     /// The years of a branch from its first to `year`.
@@ -134,8 +197,12 @@ impl<'a> Builder<'a> {
         let trunk = Axis {
             parent: 0,
             bearer: 0,
+            place: 0,
+            is_twin: false,
             order: 0,
+            rank: 0,
             first_year: 1,
+            died: f32::INFINITY,
             lost: f32::INFINITY,
             scale: 1.0,
             angle: 0.0,
@@ -157,7 +224,7 @@ impl<'a> Builder<'a> {
         // A branch takes three times the memory of a node, and each of its years up to the greatest age half of it.
         let most = self.most_nodes as usize;
         for axis in 0..self.axes.len() {
-            if year > 1 && self.is_living(axis, year) && self.axes[axis].order < self.species.most_order {
+            if year > 1 && self.is_living(axis, year) && self.axes[axis].rank < self.species.most_order {
                 self.branch(axis, year);
             }
             if self.axes.len() > most || self.shoots.len() / 8 > most {
@@ -184,7 +251,7 @@ impl<'a> Builder<'a> {
 
     /// Whether a branch lives in a year, if only at its beginning.
     fn is_living(&self, axis: usize, year: u16) -> bool {
-        self.axes[axis].lost > f32::from(year - 1)
+        self.axes[axis].died > f32::from(year - 1)
     }
 
     /// The laterals that sprout in `year` from the shoot of the year before.
@@ -214,11 +281,17 @@ impl<'a> Builder<'a> {
             let (young, mature) = (species.young_silhouette.at(now), species.mature_silhouette.at(now));
             self.wanted.push(eq::wanted_length(length, self.time(later), young, mature));
         }
-        for number in 0..metamers {
+        let forks = self.forks(parent, year);
+        for number in 0..metamers * u32::from(species.whorl) {
+            let (number, place) = (number / u32::from(species.whorl), number % u32::from(species.whorl));
+            if place == 0 && number + 1 == metamers && forks {
+                continue;
+            }
             let on_shoot = (number + 1) as f32 / metamers as f32;
             let bearer = metamers_before + number;
-            let id = u64::from(shoot.first_node + number);
-            let draw = |draw: Draw| unit(self.seed, draw as u32, Purpose::GROWTH, id);
+            let id = u64::from(shoot.first_node + number) | u64::from(place) << 32;
+            let seed = self.seed;
+            let draw = |draw: Draw| unit(seed, draw as u32, Purpose::GROWTH, id);
             let scale = eq::lateral_scale(
                 &species.shoot_scale,
                 &species.branch_scale,
@@ -232,32 +305,84 @@ impl<'a> Builder<'a> {
             }
             let lifespan = eq::lost_at(&species.lifespan, scale)
                 * (1.0 - species.scale_variation * draw(Draw::Lifespan));
-            let lost = (f32::from(year - 1) + lifespan.max(1.0)).min(bearing.lost);
-            self.extend(Axis {
+            let died = (f32::from(year - 1) + lifespan.max(1.0)).ceil().min(bearing.died);
+            let number = self.extend(Axis {
                 parent: parent as u32,
                 bearer,
+                place: place as u16,
+                is_twin: false,
                 order: bearing.order + 1,
+                rank: bearing.rank + 1,
                 first_year: year,
-                lost,
+                died,
+                lost: died,
                 scale,
                 angle: 0.0,
                 start: 0,
             });
+            if died < f32::from(species.years) {
+                // What is bare stands the longer the larger it is.
+                let last = usize::from(died as u16 - year);
+                let length = self.shoots[self.axes[number].start as usize + last].length;
+                let bare = (BARE_YEARS * length.sqrt() * (0.5 + draw(Draw::Break))).min(MOST_BARE_YEARS);
+                self.axes[number].lost = (died + LEAST_BARE + bare).min(bearing.lost);
+            } else {
+                self.axes[number].lost = (died + LEAST_BARE).min(bearing.lost);
+            }
+        }
+        if forks {
+            self.twin(parent, year, metamers_before + metamers - 1);
         }
     }
 
+    /// Whether a branch forks at the end of the shoot before `year`.
+    fn forks(&self, parent: usize, year: u16) -> bool {
+        let id = (parent as u64) << 16 | u64::from(year);
+        unit(self.seed, Draw::Fork as u32, Purpose::GROWTH, id) < self.species.forking
+    }
+
+    /// Lets a branch fork at the end of its shoot: at that metamer springs a twin that is in all years as long as the branch
+    /// beyond it.
+    fn twin(&mut self, parent: usize, year: u16, bearer: u32) {
+        let species = self.species;
+        let bearing = self.axes[parent].clone();
+        let start = bearing.start as usize;
+        let place = self.shoots[start + usize::from(year - 1 - bearing.first_year)].length;
+        let wanted = (year..=species.years)
+            .map(|later| self.shoots[start + usize::from(later - bearing.first_year)].length - place);
+        // `extend` scales what is wanted and divides it by the order; a twin is to be as long as it says here.
+        let divided = eq::order_divisor(bearing.rank) / bearing.scale;
+        let wanted: Vec<f32> = wanted.map(|length| length * divided).collect();
+        let before = std::mem::replace(&mut self.wanted, wanted);
+        self.extend(Axis {
+            parent: parent as u32,
+            bearer,
+            place: 0,
+            is_twin: true,
+            order: bearing.order + 1,
+            rank: bearing.rank,
+            first_year: year,
+            died: bearing.died,
+            lost: bearing.lost,
+            scale: bearing.scale,
+            angle: 0.0,
+            start: 0,
+        });
+        self.wanted = before;
+    }
+
     /// Adds a branch with its lengths and metamers in all years, of which `wanted` has the lengths at scale 1.
-    fn extend(&mut self, mut axis: Axis) {
+    fn extend(&mut self, mut axis: Axis) -> usize {
         let species = self.species;
         axis.start = self.shoots.len() as u32;
         let (mut length, mut metamers, mut longest_before) = (0.0, 0, None);
         for i in 0..self.wanted.len() {
             let wanted = self.wanted[i] * axis.scale;
             let before = length;
-            length = eq::higher_order_length(wanted, before, species.least_shoot, axis.order);
-            if i == 0 && axis.order > 0 {
+            length = eq::higher_order_length(wanted, before, species.least_shoot, axis.rank);
+            if i == 0 && !self.axes.is_empty() {
                 let share = (length / self.longest_shoot).min(1.0);
-                axis.angle = species.branching_angle.at(share);
+                axis.angle = if axis.is_twin { FORK_ANGLE } else { species.branching_angle.at(share) };
             }
             let wanted = eq::metamers(&species.metamers, length - before, self.longest_shoot);
             let count = self.turned(wanted, metamers, longest_before);
@@ -267,6 +392,7 @@ impl<'a> Builder<'a> {
             self.shoots.push(Shoot { length, metamers, first_node: 0 });
         }
         self.axes.push(axis);
+        self.axes.len() - 1
     }
 
     /// The number of metamers nearest to `wanted` with which both of the longest laterals of the shoot stand at least
@@ -280,9 +406,9 @@ impl<'a> Builder<'a> {
             (0..=2 * farthest).map(|i| if i % 2 == 1 { i.div_ceil(2) as i32 } else { -((i / 2) as i32) });
         for offset in offsets {
             let Some(count) = wanted.checked_add_signed(offset).filter(|&count| count > 0) else { continue };
-            let divergence = self.species.divergence;
+            let (divergence, whorl) = (self.species.divergence, self.species.whorl);
             let longest = self.longest(count);
-            if longest.iter().all(|&k| apart(before + k - longest_before, divergence) >= LEAST_ANGLE) {
+            if longest.iter().all(|&k| apart(before + k - longest_before, divergence, whorl) >= LEAST_ANGLE) {
                 return count;
             }
         }
@@ -328,9 +454,10 @@ impl<'a> Builder<'a> {
     }
 }
 
-/// The angle between two metamers' laterals about the axis when so many steps lie between them, radians, 0 to π.
-pub(super) fn apart(steps: u32, divergence: f32) -> f32 {
-    let turn = std::f64::consts::TAU;
+/// The least angle between two metamers' laterals about the axis when so many steps lie between them and so many laterals
+/// stand at each, radians, 0 to π.
+pub(super) fn apart(steps: u32, divergence: f32, whorl: u16) -> f32 {
+    let turn = std::f64::consts::TAU / f64::from(whorl);
     let angle = (f64::from(steps) * f64::from(divergence)).rem_euclid(turn);
     angle.min(turn - angle) as f32
 }
@@ -351,7 +478,7 @@ mod tests {
         let golden = 137.5f32.to_radians();
         // 2·137.5 = 275, which is 85 from a full turn; 3·137.5 = 412.5, 52.5 beyond one; 8·137.5 = 1100, 20 beyond three.
         for (steps, degrees) in [(1, 137.5f32), (2, 85.0), (3, 52.5), (8, 20.0)] {
-            assert!((apart(steps, golden).to_degrees() - degrees).abs() < 1e-3, "{steps}");
+            assert!((apart(steps, golden, 1).to_degrees() - degrees).abs() < 1e-3, "{steps}");
         }
     }
 
@@ -416,7 +543,7 @@ mod tests {
                 // G_ss rises to the tip: the two uppermost are the longest.
                 let longest_before = counts[i - 1] - 1;
                 for k in 1..=(counts[i] - counts[i - 1]).min(2) {
-                    let angle = apart(counts[i] - k - longest_before, species.divergence).to_degrees();
+                    let angle = apart(counts[i] - k - longest_before, species.divergence, 1).to_degrees();
                     assert!(angle >= 39.999, "{angle}°");
                     shoots += 1;
                 }
@@ -430,7 +557,8 @@ mod tests {
         let (_, structure) = cottonwood();
         for (number, axis) in structure.axes.iter().enumerate().skip(1) {
             let parent = &structure.axes[axis.parent as usize];
-            assert!((axis.parent as usize) < number && axis.lost <= parent.lost);
+            assert!((axis.parent as usize) < number && axis.lost <= parent.lost && axis.died <= parent.died);
+            assert!(axis.lost >= axis.died + LEAST_BARE && axis.died.fract() == 0.0);
             assert!(axis.lost >= f32::from(axis.first_year).min(parent.lost));
             assert!(axis.first_year > parent.first_year && axis.scale <= parent.scale);
         }

@@ -1,5 +1,5 @@
 //! Trees that grow over the years by positional information: the figures of Galbraith, Mündermann and Wyvill 2004, and
-//! four more species.
+//! seven more species.
 
 use super::look::{self, Look};
 use crate::ParameterError;
@@ -150,6 +150,26 @@ const GROWN: &[Grown] = &[
         Ok(Species::spreading_oak())
     })
     .like(look::OAK, Leaf::sinuate),
+    Grown::new("growth-norway-maple", 0, "A Norway maple: opposite, forked, round.", SPECIES_OF_40, || {
+        Ok(Species::norway_maple())
+    })
+    .like(look::MAPLE, || Leaf::lobed().with_petiole(0.7)),
+    Grown::new(
+        "growth-european-ash",
+        0,
+        "An ash: opposite, open, shoots that turn up.",
+        SPECIES_OF_40,
+        || Ok(Species::european_ash()),
+    )
+    .like(look::ASH, || Leaf::pinnate().with_petiole(0.15)),
+    Grown::new(
+        "growth-horse-chestnut",
+        0,
+        "A horse chestnut: limbs rise, dip and turn up, shoots that flower fork.",
+        SPECIES_OF_40,
+        || Ok(Species::horse_chestnut()),
+    )
+    .like(look::CHESTNUT, || Leaf::palmate().with_petiole(0.7)),
 ];
 
 /// Figure 8: two branches a year in one plane, straight, none scaled, none lost.

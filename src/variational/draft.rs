@@ -65,7 +65,7 @@ impl Draft {
         self.positions.len()
     }
 
-    fn push(&mut self, position: DVec3, parent: usize, stage: u16, wish: Wish) -> usize {
+    pub(super) fn push(&mut self, position: DVec3, parent: usize, stage: u16, wish: Wish) -> usize {
         self.positions.push(position);
         self.parents.push(parent as u32);
         self.stages.push(stage);
@@ -73,8 +73,14 @@ impl Draft {
         self.len() - 1
     }
 
-    /// "Structure initialization" (section 4.2): on every branch node of an earlier stage with at least `least` shape nodes
-    /// an axis of level `stage`, towards the middle of these. The first level is the trunk's.
+    /// Whether shape nodes may hang on a node, and axes of later levels stand on it: the stem's nodes bear their n laterals
+    /// and nothing else.
+    pub(super) fn is_open(&self, node: usize) -> bool {
+        self.stages[node] > 0
+    }
+
+    /// "Structure initialization" (section 4.2): on every open branch node of an earlier stage with at least `least` shape
+    /// nodes an axis of level `stage`, towards the middle of these. The first level is the trunk's.
     pub(super) fn initialize(
         &mut self,
         levels: &[Level],
@@ -96,7 +102,7 @@ impl Draft {
             if stage == 0 {
                 !bears[0]
             } else {
-                self.stages[node] <= stage && clusters.of(node).len() >= least
+                self.is_open(node) && self.stages[node] <= stage && clusters.of(node).len() >= least
             }
         };
         let bases: Vec<usize> = (0..before).filter(|&node| suits(node)).collect();
@@ -144,10 +150,14 @@ impl Draft {
                 let around = std::f32::consts::TAU * lateral as f32 / laterals as f32;
                 let (sin, cos) = sin_cos(azimuth + level.turn() * metamer as f32 + around);
                 let side = x * f64::from(cos) + y * f64::from(sin);
-                let direction = along * f64::from(cos_angle) + side * f64::from(sin_angle);
-                let reach = reach(cluster, self.positions[bearer], direction).unwrap_or(step);
-                let mut wish = Wish::new(reach).with_angle(f64::from(level.angle()));
-                if let Some(&mate) = mates.get(lateral) {
+                let leans = along * f64::from(cos_angle) + side * f64::from(sin_angle);
+                let direction = if laterals == 1 && metamer + 1 == metamers { along } else { leans };
+                let reach = LATERAL * reach(cluster, self.positions[bearer], direction).unwrap_or(step);
+                // A lone lateral at the axis's end is what the axis goes on as.
+                let goes_on = laterals == 1 && metamer + 1 == metamers;
+                let angle = if goes_on { 0.0 } else { level.angle() };
+                let mut wish = Wish::new(reach).with_angle(f64::from(angle));
+                if let Some(&mate) = mates.get(lateral).filter(|_| !goes_on) {
                     wish = wish.with_turn(mate as u32, f64::from(level.turn()));
                 }
                 let place = self.positions[bearer] + direction * reach;
@@ -157,9 +167,44 @@ impl Draft {
         }
     }
 
-    /// Hangs every shape node on the branch node nearest to it (section 4.2, "Shape partition").
+    /// Hangs every shape node on the open branch node nearest to it (section 4.2, "Shape partition").
     pub(super) fn partition(&mut self, places: &[DVec3]) {
-        self.owners = nearest(&self.positions, places);
+        let open: Vec<u32> = (0..self.len() as u32).filter(|&node| self.is_open(node as usize)).collect();
+        if open.is_empty() {
+            self.owners = nearest(&self.positions, places);
+            return;
+        }
+        let positions: Vec<DVec3> = open.iter().map(|&node| self.positions[node as usize]).collect();
+        self.owners = nearest(&positions, places).into_iter().map(|i| open[i as usize]).collect();
+    }
+
+    /// Laterals of the stem that carry nothing get the shape node nearest to them, where others of their node carry
+    /// something; otherwise a whorl would have gaps. Only from nodes that have more than one.
+    pub(super) fn feed_laterals(&mut self, places: &[DVec3]) {
+        let orders = self.orders();
+        let is_lateral =
+            |node: usize| self.stages[node] == 1 && self.stages[self.parents[node] as usize] == 0;
+        let mut fed = vec![false; self.len()];
+        for node in (1..self.len()).filter(|&node| is_lateral(node) && orders[node] > 0) {
+            fed[self.parents[node] as usize] = true;
+        }
+        let hungry: Vec<usize> = (1..self.len())
+            .filter(|&node| is_lateral(node) && orders[node] == 0 && fed[self.parents[node] as usize])
+            .collect();
+        let mut carries = vec![0_u32; self.len()];
+        self.owners.iter().for_each(|&owner| carries[owner as usize] += 1);
+        for node in hungry {
+            let from = self.positions[node];
+            let free = (0..places.len()).filter(|&tip| carries[self.owners[tip] as usize] > 1);
+            let nearest = free.min_by(|&a, &b| {
+                places[a].distance_squared(from).total_cmp(&places[b].distance_squared(from))
+            });
+            if let Some(tip) = nearest {
+                carries[self.owners[tip] as usize] -= 1;
+                carries[node] += 1;
+                self.owners[tip] = node as u32;
+            }
+        }
     }
 
     /// Takes away the nodes that carry no shape node, not even through others.
@@ -169,10 +214,15 @@ impl Draft {
     }
 
     /// "Topology refinement" (section 4.3): takes away the nodes of at most `order`, and hangs what they carried on the
-    /// nearest of what is left.
+    /// nearest of what is left. The stem and its laterals stay.
     pub(super) fn prune(&mut self, order: u32, places: &[DVec3]) {
         let orders = self.orders();
-        self.keep(|node| orders[node] > order);
+        let stays: Vec<bool> = (0..self.len())
+            .map(|node| {
+                orders[node] > order || self.stages[node].min(self.stages[self.parents[node] as usize]) == 0
+            })
+            .collect();
+        self.keep(|node| stays[node]);
         self.partition(places);
     }
 
@@ -191,11 +241,35 @@ impl Draft {
     }
 
     /// Takes out the internodes that have shrunk to less than a tenth of the length asked for; what sprang from them
-    /// springs from where they did.
-    pub(super) fn contract(&mut self) {
-        let length = |node: usize| self.positions[node].distance(self.positions[self.parents[node] as usize]);
-        let holds: Vec<bool> =
-            (0..self.len()).map(|node| length(node) >= 0.1 * self.wishes[node].length).collect();
+    /// springs from where they did, unless that is the stem or bears more than `most` already. Nodes of the stem that bear
+    /// nothing go as well.
+    pub(super) fn contract(&mut self, most: usize) {
+        let mut bears = vec![0_usize; self.len()];
+        self.owners.iter().for_each(|&owner| bears[owner as usize] += 1);
+        self.parents.iter().skip(1).for_each(|&parent| bears[parent as usize] += 1);
+        let mut has_lateral = vec![false; self.len()];
+        (1..self.len()).for_each(|node| has_lateral[self.parents[node] as usize] |= self.is_open(node));
+        let mut holds = vec![true; self.len()];
+        for node in (1..self.len()).rev() {
+            let parent = self.parents[node] as usize;
+            let length = self.positions[node].distance(self.positions[parent]);
+            let is_bare = !self.is_open(node) && !has_lateral[node] && bears[node] <= 1;
+            let is_short = length < 0.1 * self.wishes[node].length;
+            let fits = self.is_open(parent) && bears[parent] + bears[node] <= most + 1;
+            if (is_bare && parent > 0) || (is_short && fits) {
+                holds[node] = false;
+                bears[parent] = bears[parent] + bears[node] - 1;
+            } else if is_short && length > 0.0 {
+                self.wishes[node].length = length;
+            }
+        }
+        // What goes on from a bare node is as long as both were to be.
+        for node in 1..self.len() {
+            let below = self.parents[node] as usize;
+            if !holds[below] && !self.is_open(below) && !has_lateral[below] {
+                self.wishes[node].length += self.wishes[below].length;
+            }
+        }
         self.keep(|node| holds[node]);
     }
 
@@ -244,3 +318,6 @@ fn reach(places: &[DVec3], from: DVec3, direction: DVec3) -> Option<f64> {
     }
     (count > 0).then(|| sum / f64::from(count))
 }
+
+/// Where a lateral first forks, on the way to the middle of the shape nodes ahead of it.
+const LATERAL: f64 = 0.4;

@@ -3,7 +3,7 @@
 use glam::DVec3;
 
 use super::guidance::GuidanceShape;
-use super::term::{angle, turn, wrapped};
+use super::term::{Measured, angle, turn, wrapped};
 use crate::nearest::nearest;
 use crate::{ParameterError, Skeleton};
 
@@ -134,23 +134,48 @@ pub fn penalty(skeleton: &Skeleton, wishes: &[Wish], beta: f32) -> Result<Energy
     let thick = |&radius: &f32| libm::pow(2.0 * f64::from(radius), f64::from(beta));
     let thick: Vec<f64> = skeleton.radii().iter().map(thick).collect();
     let add = |node: usize, by: DVec3| gradient[node] += by;
-    Ok(Energy { value: deviations(&positions, &parents, wishes, &thick, 0.0, add), gradient })
+    Ok(Energy { value: deviations(&positions, &parents, wishes, &thick, Soft::NONE, add), gradient })
 }
 
-/// `F_P` for internodes of d^β = `thick`, its gradient added up by `add`. Differences below `soft` count by their square:
-/// sqrt(x² + soft²) - soft. What has no thickness neither counts nor is turned against.
+/// How the kinks of the energy are rounded off, so that it has a slope everywhere.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Soft {
+    /// Lengths are sqrt(l² + soft²), metres.
+    pub(super) length: f64,
+    /// Deviations are sqrt(x² + soft²) - soft.
+    pub(super) deviation: f64,
+    /// A turn counts s² / (s² + soft²) of its weight, where s is the sine of the angle that the turned internode makes with
+    /// the axis: in line with the axis a turn has no meaning and its slope no bound.
+    pub(super) turn: f64,
+}
+
+impl Soft {
+    /// Not at all.
+    pub(super) const NONE: Self = Self { length: 0.0, deviation: 0.0, turn: 0.0 };
+}
+
+/// The share of its weight that a turn counts beside such an angle to the axis; see [`Soft::turn`].
+fn fade(angle: &Measured<3>, soft: f64) -> Measured<3> {
+    let (sin, cos) = (libm::sin(angle.value), libm::cos(angle.value));
+    let (square, floor) = (sin * sin, soft * soft);
+    let slope = 2.0 * sin * cos * floor / ((square + floor) * (square + floor));
+    Measured { value: square / (square + floor), gradient: angle.gradient.map(|by| by * slope) }
+}
+
+/// `F_P` for internodes of d^β = `thick`, its gradient added up by `add`, with its kinks rounded off as `soft` says.
+/// What has no thickness neither counts nor is turned against.
 pub(super) fn deviations(
     positions: &[DVec3],
     parents: &[u32],
     wishes: &[Wish],
     thick: &[f64],
-    soft: f64,
+    soft: Soft,
     mut add: impl FnMut(usize, DVec3),
 ) -> f64 {
     // |x|, and its slope.
     let size = |x: f64| {
-        let size = (x * x + soft * soft).sqrt();
-        (size - soft, if size > 0.0 { x / size } else { 0.0 })
+        let size = (x * x + soft.deviation * soft.deviation).sqrt();
+        (size - soft.deviation, if size > 0.0 { x / size } else { 0.0 })
     };
     let at = |node: usize| positions[node];
     let mut sum = 0.0;
@@ -179,6 +204,18 @@ pub(super) fn deviations(
             let mate = mate as usize;
             let measured = turn(at(mate), at(before), at(bearer), at(node));
             let (value, slope) = size(wrapped(measured.value - wanted));
+            let mut weight = weight;
+            if soft.turn > 0.0 {
+                let near = fade(&angle(at(before), at(bearer), at(node)), soft.turn);
+                let far = fade(&angle(at(mate), at(before), at(bearer)), soft.turn);
+                for (node, by) in [before, bearer, node].into_iter().zip(near.gradient) {
+                    add(node, by * (weight * value * far.value));
+                }
+                for (node, by) in [mate, before, bearer].into_iter().zip(far.gradient) {
+                    add(node, by * (weight * value * near.value));
+                }
+                weight *= near.value * far.value;
+            }
             sum += weight * value;
             for (node, by) in [mate, before, bearer, node].into_iter().zip(measured.gradient) {
                 add(node, by * (slope * weight));

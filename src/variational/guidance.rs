@@ -7,7 +7,7 @@ use rand::RngExt;
 
 use super::thinning::spread;
 use crate::math::sin_cos;
-use crate::random::{Purpose, stream};
+use crate::random::{Purpose, stream, unit};
 use crate::{Bounds, ParameterError, Shape};
 
 /// What a tree is to fill: shape nodes, each a small sphere, that become its tips.
@@ -64,7 +64,21 @@ impl GuidanceShape {
         Self::spread(&points, count, apart, apart * apart)
     }
 
-    /// `count` shape nodes, from 2 to 20,000,000, spread evenly on the surface of `shape`.
+    /// `count` shape nodes, from 2 to 20,000,000, spread evenly near the surface of `shape`: as
+    /// [`on_jittered_surface`](Self::on_jittered_surface) with a jitter of [`JITTER`](Self::JITTER).
+    ///
+    /// # Errors
+    /// As there.
+    pub fn on_surface(shape: &dyn Shape, count: usize, seed: u64) -> Result<Self, ParameterError> {
+        Self::on_jittered_surface(shape, count, Self::JITTER, seed)
+    }
+
+    /// The jitter of [`on_surface`](Self::on_surface), our choice by eye: crowns keep their form but not a smooth edge.
+    pub const JITTER: f32 = 0.8;
+
+    /// `count` shape nodes, from 2 to 20,000,000, spread evenly on the surface of `shape`, then moved off it by up to about
+    /// `jitter` times their distance from each other, in [0, 4]: half of that each for itself, half together with its
+    /// neighbours. With 0 all are on the surface.
     ///
     /// Of a shape that can [sample](Shape::sample_surface) its surface, as meshes can, five points a node are drawn from
     /// it. With others, random lines meet a surface evenly (Crofton), and how often they do gives its area; so all that is asked of the
@@ -73,15 +87,23 @@ impl GuidanceShape {
     /// O(n log n), and without surface samples about 2000 calls of `contains` a node.
     ///
     /// # Errors
-    /// A shape that fails its check or of which no surface is found, or a count out of range.
-    pub fn on_surface(shape: &dyn Shape, count: usize, seed: u64) -> Result<Self, ParameterError> {
+    /// A shape that fails its check or of which no surface is found, or a count or a jitter out of range.
+    pub fn on_jittered_surface(
+        shape: &dyn Shape,
+        count: usize,
+        jitter: f32,
+        seed: u64,
+    ) -> Result<Self, ParameterError> {
+        let holds = (0.0..=4.0).contains(&jitter);
+        ParameterError::unless(holds, "GuidanceShape.jitter", jitter, "in [0, 4]")?;
         check_count(shape, count)?;
         if let Some(area) = shape.surface_area() {
             let mut random = stream(seed, 0, Purpose::SHAPE_NODES, 0);
             let points: Option<Vec<Vec3>> =
                 (0..CANDIDATES * count).map(|_| shape.sample_surface(&mut random)).collect();
             let area = f64::from(area) / count as f64;
-            return Self::spread(&points.ok_or_else(|| empty(shape))?, count, area.sqrt(), area);
+            return Ok(Self::spread(&points.ok_or_else(|| empty(shape))?, count, area.sqrt(), area)?
+                .jittered(jitter * area.sqrt() as f32, seed));
         }
         let bounds = shape.bounds();
         let (center, radius) = (bounds.center(), bounds.size().length() * 0.51);
@@ -107,7 +129,7 @@ impl GuidanceShape {
         // A line through a disc of the bounds' radius meets an area A on average A / (2π r²) times.
         let met = points.len() as f64 / f64::from(lines);
         let area = met * f64::from(TAU) * f64::from(radius * radius) / count as f64;
-        Self::spread(&points, count, area.sqrt(), area)
+        Ok(Self::spread(&points, count, area.sqrt(), area)?.jittered(jitter * area.sqrt() as f32, seed))
     }
 
     /// Shape nodes with an area of `area` square metres each, about `apart` metres from each other.
@@ -118,6 +140,18 @@ impl GuidanceShape {
             Self::from_points(taken.into_iter().map(|i| points[i]).collect::<Vec<_>>(), diameter as f32);
         shape.check()?;
         Ok(shape)
+    }
+
+    /// Moves each node by up to half of `by` metres on each axis for itself, and as far with its neighbours.
+    fn jittered(mut self, by: f32, seed: u64) -> Self {
+        if by > 0.0 {
+            for (number, position) in (0_u64..).zip(&mut self.positions) {
+                let own = [0, 1, 2].map(|axis| unit(seed, JITTERED, Purpose::SHAPE_NODES, 3 * number + axis));
+                let shared = smooth_noise(*position / (CLUMP * by), seed);
+                *position += (Vec3::from_array(own) - 0.5 + shared) * by;
+            }
+        }
+        self
     }
 
     /// The shape nodes of both.
@@ -189,6 +223,32 @@ impl GuidanceShape {
     }
 }
 
+/// The stages of the streams of jitter: each node's own, and what it shares with its neighbours.
+const JITTERED: u32 = 1;
+const SHARED: u32 = 2;
+/// How far apart places are that move independently, in units of the jitter.
+const CLUMP: f32 = 6.0;
+
+/// Random vectors on a lattice of side 1, linear in between: -0.5 to 0.5 on each axis.
+fn smooth_noise(place: Vec3, seed: u64) -> Vec3 {
+    let cell = place.floor();
+    let part = place - cell;
+    let mut sum = Vec3::ZERO;
+    for corner in 0..8_u32 {
+        let offset = Vec3::new((corner & 1) as f32, (corner >> 1 & 1) as f32, (corner >> 2) as f32);
+        let share = offset * part + (Vec3::ONE - offset) * (Vec3::ONE - part);
+        let lattice = cell + offset;
+        // 20 bits an axis: what is a million cells apart may repeat.
+        let index = lattice
+            .to_array()
+            .into_iter()
+            .fold(0_u64, |index, at| index << 20 | (at as i64 as u64 & 0xf_ffff));
+        let draws = [0, 1, 2].map(|axis| unit(seed, SHARED + axis, Purpose::SHAPE_NODES, index));
+        sum += (Vec3::from_array(draws) - 0.5) * share.element_product();
+    }
+    sum
+}
+
 fn check_count(shape: &dyn Shape, count: usize) -> Result<(), ParameterError> {
     shape.check()?;
     ParameterError::unless(
@@ -234,7 +294,7 @@ mod tests {
     #[test]
     fn a_sphere_is_covered_evenly() -> Result<(), ParameterError> {
         let sphere = Sphere::new(Vec3::Y * 5.0, 2.0);
-        let shape = GuidanceShape::on_surface(&sphere, 800, 1)?;
+        let shape = GuidanceShape::on_jittered_surface(&sphere, 800, 0.0, 1)?;
         assert_eq!(shape.len(), 800);
         for &position in shape.positions() {
             assert!(sphere.contains(position) && (position.distance(Vec3::Y * 5.0) - 2.0).abs() < 1e-3);
@@ -243,6 +303,30 @@ mod tests {
         assert!((shape.diameters()[0] / exact - 1.0).abs() < 0.02, "{} {exact}", shape.diameters()[0]);
         let upper = shape.positions().iter().filter(|position| position.y > 6.0).count();
         assert!((180..=220).contains(&upper), "a quarter of the surface holds {upper} of 800");
+        Ok(())
+    }
+
+    /// No crown looks cut out: nodes are off the surface, though not far, and neighbours go together.
+    #[test]
+    fn jitter_moves_nodes_off_the_surface() -> Result<(), ParameterError> {
+        let sphere = Sphere::new(Vec3::Y * 5.0, 2.0);
+        let apart = (4.0 * PI * 4.0 / 800.0_f32).sqrt();
+        for seed in 1..=4 {
+            let shape = GuidanceShape::on_surface(&sphere, 800, seed)?;
+            let off = |position: &Vec3| position.distance(Vec3::Y * 5.0) - 2.0;
+            let offs: Vec<f32> = shape.positions().iter().map(off).collect();
+            let most = offs.iter().fold(0.0_f32, |most, off| most.max(off.abs()));
+            let near = offs.iter().filter(|off| off.abs() < 0.02 * apart).count();
+            assert!(most < 2.0 * GuidanceShape::JITTER * apart && near < 80, "{most} {near}");
+            assert_ne!(shape, GuidanceShape::on_surface(&sphere, 800, seed + 4)?);
+        }
+        let named = |jitter| {
+            let shape = GuidanceShape::on_jittered_surface(&sphere, 10, jitter, 1);
+            shape.map_err(|error| error.parameter).err()
+        };
+        for bad in [-0.1, 4.1, f32::NAN] {
+            assert_eq!(named(bad), Some("GuidanceShape.jitter".into()));
+        }
         Ok(())
     }
 

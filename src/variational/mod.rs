@@ -6,8 +6,12 @@
 //!
 //! One level after the other, axes are built on the branch nodes that carry many shape nodes; then all nodes move to where
 //! the energy is least, and every shape node changes to the nearest branch node, in turns as long as the energy falls.
-//! Then the finest branches are pruned, what they carried hangs on the nearest of what is left, and the levels are run
-//! again; the tree of least energy is kept. [`Growth::trace`] has every step.
+//! Subtrees that cost less elsewhere are hung there. Then the finest branches are pruned, what they carried hangs on the
+//! nearest of what is left, and the levels are run again; the tree of least energy is kept. In the end shape nodes that
+//! crowd on a node are gathered on twigs. [`Growth::trace`] has every step, [`VariationalSynth::follow`] shows each tree.
+//!
+//! The stem's nodes bear n laterals each and no shape nodes, so that N and n can be seen in the finished tree; with n = 1
+//! the last lateral is what the stem goes on as. Other nodes have four children at most, one more than n where n is more.
 //!
 //! ```
 //! use treesynth::{glam::Vec3, shape::Ellipsoid};
@@ -23,6 +27,7 @@
 
 mod draft;
 mod energy;
+mod graft;
 mod guidance;
 mod letter;
 mod level;

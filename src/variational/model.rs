@@ -3,7 +3,8 @@
 use glam::DVec3;
 
 use super::draft::{Draft, Lists};
-use super::energy::{Wish, deviations};
+use super::energy::{Soft, Wish, deviations};
+use crate::nearest::nearest;
 use crate::parallel;
 
 /// The exponents and weights of the energy, in the units of the shape.
@@ -13,6 +14,10 @@ pub(super) struct Weights {
     pub(super) power: f64,
     pub(super) lambda: f64,
     pub(super) mu: f64,
+    /// Of wood outside of the shape, over that inside.
+    pub(super) outside: f64,
+    /// What is farther than this from every shape node is outside, metres.
+    pub(super) margin: f64,
 }
 
 /// The shape nodes in double precision.
@@ -34,27 +39,18 @@ pub(super) struct Terms {
     pub(super) structure: f64,
     pub(super) guidance: f64,
     pub(super) penalty: f64,
+    /// Weighted already.
+    pub(super) outside: f64,
 }
 
 impl Terms {
     pub(super) fn total(&self, weights: &Weights) -> f64 {
-        self.structure + weights.lambda * self.guidance + weights.mu * self.penalty
+        self.structure + weights.lambda * self.guidance + weights.mu * self.penalty + self.outside
     }
 }
 
-/// How the kinks of the energy are rounded off, so that it has a slope everywhere.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct Soft {
-    /// Lengths are sqrt(l² + soft²), metres.
-    pub(super) length: f64,
-    /// Deviations are sqrt(x² + soft²) - soft.
-    pub(super) deviation: f64,
-}
-
-impl Soft {
-    /// Not at all.
-    pub(super) const NONE: Self = Self { length: 0.0, deviation: 0.0 };
-}
+/// The square of the sine below which a turn fades, see [`Soft::turn`].
+const TURN: f64 = 0.04;
 
 /// Branch nodes that one task looks after.
 const CHUNK: usize = 1024;
@@ -68,6 +64,8 @@ pub(super) struct Model<'a> {
     carried: Lists,
     /// d^β of each branch node's internode.
     pub(super) thick: Vec<f64>,
+    /// Of each branch node, then of the middle of each internode, the nearest shape node; empty if the outside costs nothing.
+    anchors: Vec<DVec3>,
 }
 
 impl<'a> Model<'a> {
@@ -79,6 +77,15 @@ impl<'a> Model<'a> {
         for node in (1..draft.len()).rev() {
             flows[draft.parents[node] as usize] += flows[node];
         }
+        let mut anchors = Vec::new();
+        if weights.outside > 0.0 {
+            let middle =
+                |node: usize| draft.positions[node].midpoint(draft.positions[draft.parents[node] as usize]);
+            let mut asked = draft.positions.clone();
+            asked.extend((0..draft.len()).map(middle));
+            let found = nearest(&nodes.places, &asked);
+            anchors = found.into_iter().map(|place| nodes.places[place as usize]).collect();
+        }
         let thick = |&flow: &f64| if flow > 0.0 { nodes.unit * libm::pow(flow, weights.power) } else { 0.0 };
         Self {
             nodes,
@@ -87,6 +94,7 @@ impl<'a> Model<'a> {
             wishes: &draft.wishes,
             carried: Lists::new(draft.len(), &draft.owners),
             thick: flows.iter().map(thick).collect(),
+            anchors,
         }
     }
 
@@ -114,7 +122,7 @@ impl<'a> Model<'a> {
             let pulls: Vec<DVec3> = pulls.collect();
             (structure, guidance, pulls)
         };
-        let mut terms = Terms { structure: 0.0, guidance: 0.0, penalty: 0.0 };
+        let mut terms = Terms { structure: 0.0, guidance: 0.0, penalty: 0.0, outside: 0.0 };
         let mut slope: Vec<DVec3> = Vec::with_capacity(positions.len());
         for (structure, guidance, pulls) in parallel::map(positions.len().div_ceil(CHUNK), carried) {
             terms.structure += structure;
@@ -134,12 +142,40 @@ impl<'a> Model<'a> {
         }
         let mu = self.weights.mu;
         let add = |node: usize, by: DVec3| slope[node] += by * mu;
-        terms.penalty = deviations(positions, self.parents, self.wishes, &self.thick, soft.deviation, add);
+        terms.penalty = deviations(positions, self.parents, self.wishes, &self.thick, soft, add);
+        terms.outside = self.outside(positions, &mut slope);
         if let Some(gradient) = gradient {
             slope[0] = DVec3::ZERO;
             *gradient = slope;
         }
         terms
+    }
+
+    /// How far branch nodes and the middles of internodes are from the shape, in wood; its slope is added. The trunk up to the
+    /// first branch node does not count.
+    fn outside(&self, positions: &[DVec3], slope: &mut [DVec3]) -> f64 {
+        let mut sum = 0.0;
+        let count = if self.anchors.is_empty() { 0 } else { positions.len() };
+        for node in 1..count {
+            let parent = self.parents[node] as usize;
+            let weight = self.weights.outside * self.thick[node];
+            let mut add = |place: DVec3, anchor: DVec3, shares: [f64; 2]| {
+                let way = place - anchor;
+                let beyond = way.length() - self.weights.margin;
+                if beyond > 0.0 {
+                    sum += weight * beyond;
+                    let pull = way.normalize_or_zero() * weight;
+                    slope[node] += pull * shares[0];
+                    slope[parent] += pull * shares[1];
+                }
+            };
+            add(positions[node], self.anchors[node], [1.0, 0.0]);
+            if parent > 0 {
+                let middle = positions[node].midpoint(positions[parent]);
+                add(middle, self.anchors[count + node], [0.5, 0.5]);
+            }
+        }
+        sum
     }
 
     /// Solves for the step of all branch nodes that Weiszfeld's method would make for `slope`: each length in the energy
@@ -158,13 +194,26 @@ impl<'a> Model<'a> {
             .collect();
         let mut to_parent = vec![0.0; count];
         for node in 1..count {
-            let way = positions[node] - positions[self.parents[node] as usize];
+            let parent = self.parents[node] as usize;
+            let way = positions[node] - positions[parent];
             // What is asked of an internode resists too, over about the length asked for.
             let wished = self.wishes[node].length.min(way.length()).max(soft.length);
             let spring = stiff(self.thick[node], way)
                 + self.weights.mu * self.thick[node] / (4.0 * soft.deviation * wished);
-            to_parent[node] = spring;
-            own[node] += spring;
+            to_parent[node] += spring;
+            // A turn resists by its distance from the axis, be it ever so small.
+            let Some((mate, _)) = self.wishes[node].turn.filter(|_| parent > 0) else { continue };
+            let before = positions[self.parents[parent] as usize];
+            let axis = (positions[parent] - before).normalize_or_zero();
+            let stiff =
+                self.weights.mu * self.thick[node] * self.wishes[node].length / (4.0 * soft.deviation);
+            for (turned, way) in [(node, way), (mate as usize, positions[mate as usize] - before)] {
+                let aside = (way - axis * way.dot(axis)).length_squared() + TURN * way.length_squared();
+                to_parent[turned] += stiff / (aside + soft.length * soft.length);
+            }
+        }
+        for node in 1..count {
+            own[node] += to_parent[node];
         }
         let mut right = slope.to_vec();
         for node in (1..count).rev() {

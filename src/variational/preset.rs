@@ -258,15 +258,19 @@ fn outline(points: &[(f32, f32)]) -> Outline {
     Outline::smooth(points.iter().map(|&point| Vec2::from(point)).collect::<Vec<_>>())
 }
 
-/// On a trunk of its own.
+/// On a trunk of its own, under a leg of the letter where it has one: from the middle, thick wood would cross its gaps.
 fn solid_letter(count: usize, of: char) -> Result<VariationalSynth, ParameterError> {
     let solid = Extrusion::new(letter(of, 1.6), 1.2);
-    tree(
-        &solid,
-        count,
-        0.26,
-        &[axis(6, 0.9, 45.0, Spiral), axis(6, 1.0, 45.0, Spiral), axis(4, 1.0, 40.0, Spiral), twig(1.0)],
-    )
+    let under = match of {
+        'A' | 'R' => 1.9,
+        'C' | 'P' => -1.9,
+        _ => 0.0,
+    };
+    let levels =
+        [axis(6, 0.9, 45.0, Spiral), axis(6, 1.0, 45.0, Spiral), axis(4, 1.0, 40.0, Spiral), twig(1.0)];
+    // In G and S the price bends more wood than it saves.
+    let price = if matches!(of, 'G' | 'S') { 0.0 } else { 4.0 };
+    Ok(tree(&solid, count, 0.26, &levels)?.with_root(Vec3::X * under).with_outside_price(price))
 }
 
 /// The shape of figure 7, the same for all of its trees.

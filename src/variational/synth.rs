@@ -5,11 +5,13 @@ use std::sync::Arc;
 use glam::{DVec3, Vec3};
 
 use super::draft::Draft;
-use super::energy::Wish;
+use super::energy::{Soft, Wish};
+use super::graft::Graft;
 use super::guidance::GuidanceShape;
 use super::level::Level;
-use super::model::{Model, Nodes, Soft, Terms, Weights};
+use super::model::{Model, Nodes, Terms, Weights};
 use super::update::descend;
+use crate::nearest::nearest_few;
 use crate::observer::{Cancelled, Observer, Silent, Work, report};
 use crate::radius::{RadiusError, RadiusModel, Variational};
 use crate::{ParameterError, Skeleton, SkeletonError};
@@ -42,11 +44,12 @@ pub struct VariationalSynth {
     beta: f32,
     lambda: f32,
     mu: f32,
+    outside: f32,
     rounds: u32,
     least_cluster: usize,
     prune_order: u32,
     refinements: u32,
-    radius: Arc<dyn RadiusModel>,
+    radius: Option<Arc<dyn RadiusModel>>,
 }
 
 impl std::fmt::Debug for VariationalSynth {
@@ -69,9 +72,10 @@ pub struct Growth {
     pub branch_nodes: usize,
     /// What was asked of each branch node's internode.
     pub wishes: Vec<Wish>,
-    /// The energy after every step.
+    /// The energy after every step. The last steps, from [`StepKind::Twigs`] on, start from the tree of least energy of all
+    /// refinements, which need not be the last one's.
     pub trace: Vec<Step>,
-    /// The step of the trace at which the energy was least: the tree is that one.
+    /// The step of the trace whose tree this is: the last.
     pub best: usize,
 }
 
@@ -89,6 +93,8 @@ pub struct Step {
     pub guidance: f64,
     /// `F_P`, metres to the power of 1 + β.
     pub penalty: f64,
+    /// What wood outside of the shape costs, see [`VariationalSynth::with_outside_price`]; metres to the power of 1 + β.
+    pub outside: f64,
     /// Branch nodes, the root included.
     pub branch_nodes: usize,
 }
@@ -117,6 +123,13 @@ pub enum StepKind {
         /// The level, from 0.
         level: usize,
     },
+    /// Hung subtrees on other branch nodes, where that saves. Within a level, F never rises.
+    Rehanging {
+        /// The level, from 0.
+        level: usize,
+    },
+    /// Hung shape nodes on internodes nearby, and gathered what was too many for a node on twigs.
+    Twigs,
     /// Pruned the nodes of low order, and partitioned the shape among the others.
     Refinement {
         /// The highest order that was pruned.
@@ -173,11 +186,12 @@ impl VariationalSynth {
             beta: 2.0,
             lambda: 1.0,
             mu: 0.2,
+            outside: 0.0,
             rounds: 6,
             least_cluster: 3,
             prune_order: 3,
-            refinements: 6,
-            radius: Arc::new(Variational::default()),
+            refinements: 3,
+            radius: None,
         }
     }
 
@@ -208,6 +222,14 @@ impl VariationalSynth {
         self
     }
 
+    /// Sets the price of wood outside of the shape over that inside, in [0, 1000]; 0 by default, which suits crowns without
+    /// gaps. A branch node, or the middle of an internode, that is farther from every shape node than one and a half times
+    /// their distance from each other costs that many times its wood for each metre. The trunk up to its first branch node is free.
+    pub fn with_outside_price(mut self, price: f32) -> Self {
+        self.outside = price;
+        self
+    }
+
     /// Sets how often at most a level is updated and partitioned, in [1, 1000]; 6 by default, our
     /// choice: most levels end before, when the energy falls by less than a thousandth or not at all.
     pub fn with_rounds(mut self, rounds: u32) -> Self {
@@ -223,17 +245,17 @@ impl VariationalSynth {
     }
 
     /// Sets how often the topology is refined at most, up to 1000, and the order up to which branches are pruned, in
-    /// [1, 1000]; 6 times and 3 by default. It ends before when three times in a row the
+    /// [1, 1000]; 3 times and 3 by default. It ends before when twice in a row the
     /// energy has not fallen below the least so far.
     pub fn with_refinements(mut self, times: u32, prune_order: u32) -> Self {
         (self.refinements, self.prune_order) = (times, prune_order);
         self
     }
 
-    /// Sets the thickness of the finished tree; by default equation 2 on equal tips, the foot 30 cm across. The energy's
-    /// diameters are always those of the shape nodes.
+    /// Sets the thickness of the finished tree; by default equation 2 on equal tips, the trunk base a 36th of the tree's size
+    /// across. The energy's diameters are always those of the shape nodes.
     pub fn with_radius(mut self, radius: impl RadiusModel + 'static) -> Self {
-        self.radius = Arc::new(radius);
+        self.radius = Some(Arc::new(radius));
         self
     }
 
@@ -270,7 +292,11 @@ impl VariationalSynth {
         let holds = self.alpha > self.beta && self.alpha <= 10.0;
         let above = format!("above beta = {}, at most 10", self.beta);
         ParameterError::unless(holds, "VariationalSynth.alpha", self.alpha, &above)?;
-        for (name, weight) in [("VariationalSynth.lambda", self.lambda), ("VariationalSynth.mu", self.mu)] {
+        for (name, weight) in [
+            ("VariationalSynth.lambda", self.lambda),
+            ("VariationalSynth.mu", self.mu),
+            ("VariationalSynth.outside_price", self.outside),
+        ] {
             ParameterError::unless((0.0..=1000.0).contains(&weight), name, weight, "in [0, 1000]")?;
         }
         let whole = |name: &str, value: u32, least: u32| {
@@ -299,7 +325,7 @@ impl VariationalSynth {
             self.root,
             "at most 100 times the shape's size away from it",
         )?;
-        self.radius.check()
+        self.radius.as_ref().map_or(Ok(()), RadiusModel::check)
     }
 
     /// The tree of `seed`.
@@ -315,6 +341,43 @@ impl VariationalSynth {
     /// # Errors
     /// As [`synthesize`](Self::synthesize), and when the observer cancels.
     pub fn grow(&self, seed: u64, observer: &dyn Observer) -> Result<Growth, VariationalError> {
+        self.run(seed, observer, None)
+    }
+
+    /// As [`grow`](Self::grow); `visit` gets every step of the trace with the tree at that step, figure 11's trees among
+    /// them: its branch nodes, then the shape nodes, with stages and radii. Each costs as much as a copy of the tree.
+    ///
+    /// ```
+    /// use treesynth::variational::{StepKind, by_name};
+    ///
+    /// let oak = by_name("variational-14-oak").expect("a preset of this name").synth(200)?;
+    /// let mut first_levels = Vec::new();
+    /// oak.follow(1, &treesynth::Silent, &mut |step, tree| {
+    ///     if step.kind == (StepKind::Initialization { level: 0 }) {
+    ///         first_levels.push(tree);
+    ///     }
+    /// })?;
+    /// assert!(!first_levels.is_empty());
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    ///
+    /// # Errors
+    /// As [`grow`](Self::grow).
+    pub fn follow(
+        &self,
+        seed: u64,
+        observer: &dyn Observer,
+        visit: &mut dyn FnMut(&Step, Skeleton),
+    ) -> Result<Growth, VariationalError> {
+        self.run(seed, observer, Some(visit))
+    }
+
+    fn run(
+        &self,
+        seed: u64,
+        observer: &dyn Observer,
+        visit: Option<&mut Visit<'_>>,
+    ) -> Result<Growth, VariationalError> {
         self.check()?;
         let (nodes, weights, soft) = self.scales();
         let root = self.root.as_dvec3();
@@ -328,9 +391,11 @@ impl VariationalSynth {
             trace: Vec::new(),
             observer,
             done: 0,
+            visit,
+            failed: None,
         };
         let mut least = run.levels()?;
-        let mut best = (run.draft.clone(), run.trace.len() - 1);
+        let mut best = run.draft.clone();
         let mut in_vain = 0;
         for _ in 0..self.refinements {
             run.refine();
@@ -338,14 +403,18 @@ impl VariationalSynth {
             in_vain += 1;
             if found < least {
                 (least, in_vain) = (found, 0);
-                best = (run.draft.clone(), run.trace.len() - 1);
+                best = run.draft.clone();
             }
             if in_vain == PATIENCE {
                 break;
             }
         }
-        let (draft, best) = best;
-        let growth = self.finish(draft, run.trace, best)?;
+        run.draft = best;
+        run.twigs();
+        if let Some(error) = run.failed {
+            return Err(error);
+        }
+        let growth = self.finish(run.draft, run.trace)?;
         report(observer, Work::Optimization, 1.0)?;
         Ok(growth)
     }
@@ -362,8 +431,13 @@ impl VariationalSynth {
         let foot = unit * libm::pow(flows.iter().sum(), beta / alpha);
         let root = self.root.as_dvec3();
         let size = places.iter().map(|place| place.distance(root)).fold(0.0, f64::max);
-        let weights =
-            Weights { power: beta / alpha, lambda: f64::from(self.lambda) * foot, mu: f64::from(self.mu) };
+        let weights = Weights {
+            power: beta / alpha,
+            lambda: f64::from(self.lambda) * foot,
+            mu: f64::from(self.mu),
+            outside: f64::from(self.outside),
+            margin: if self.outside > 0.0 { MARGIN * spacing(&places) } else { 0.0 },
+        };
         let nodes = Nodes {
             costs: diameters.iter().map(|&d| libm::pow(d, beta)).collect(),
             shares: diameters.iter().map(|&d| d / sum).collect(),
@@ -371,10 +445,17 @@ impl VariationalSynth {
             flows,
             unit,
         };
-        (nodes, weights, Soft { length: 1e-4 * size, deviation: 0.05 })
+        (nodes, weights, Soft { length: 1e-4 * size, deviation: 0.05, turn: 0.2 })
     }
 
-    fn finish(&self, draft: Draft, trace: Vec<Step>, best: usize) -> Result<Growth, VariationalError> {
+    /// How far the farthest shape node is from the root, metres.
+    fn size(&self) -> f32 {
+        let away = |place: &Vec3| place.distance(self.root);
+        self.shape.positions().iter().map(away).fold(f32::MIN_POSITIVE, f32::max)
+    }
+
+    fn finish(&self, draft: Draft, trace: Vec<Step>) -> Result<Growth, VariationalError> {
+        let best = trace.len().saturating_sub(1);
         let branch_nodes = draft.len();
         let mut positions: Vec<Vec3> = draft.positions.iter().map(|position| position.as_vec3()).collect();
         positions[0] = self.root;
@@ -387,14 +468,20 @@ impl VariationalSynth {
             stages.push(stages[owner as usize] + 1);
         }
         let skeleton = Skeleton::new(positions, parents)?.with_stages(stages)?;
-        let radii = self.radius.radii(&skeleton)?;
+        let radii = match &self.radius {
+            Some(radius) => radius.radii(&skeleton)?,
+            None => Variational::default().with_trunk_diameter(self.size() / SLENDERNESS).radii(&skeleton)?,
+        };
         let skeleton = skeleton.with_radii(radii)?;
         Ok(Growth { skeleton, branch_nodes, wishes: draft.wishes, trace, best })
     }
 }
 
+/// What is shown every step with its tree.
+type Visit<'v> = dyn FnMut(&Step, Skeleton) + 'v;
+
 /// One optimization under way.
-struct Run<'a> {
+struct Run<'a, 'v> {
     synth: &'a VariationalSynth,
     nodes: Nodes,
     weights: Weights,
@@ -405,19 +492,29 @@ struct Run<'a> {
     observer: &'a dyn Observer,
     /// Levels, over all refinements.
     done: u32,
+    visit: Option<&'v mut Visit<'v>>,
+    /// Why a tree could not be shown.
+    failed: Option<VariationalError>,
 }
 
-impl Run<'_> {
+impl Run<'_, '_> {
     fn terms(&self, draft: &Draft) -> Terms {
         Model::new(draft, &self.nodes, self.weights).terms(&draft.positions, Soft::NONE, None)
     }
 
     /// Notes where the draft stands; returns F.
     fn note(&mut self, kind: StepKind, terms: Terms) -> f64 {
-        let Terms { structure, guidance, penalty } = terms;
+        let Terms { structure, guidance, penalty, outside } = terms;
         let total = terms.total(&self.weights);
         let branch_nodes = self.draft.len();
-        self.trace.push(Step { kind, total, structure, guidance, penalty, branch_nodes });
+        let step = Step { kind, total, structure, guidance, penalty, outside, branch_nodes };
+        self.trace.push(step);
+        if let Some(visit) = &mut self.visit {
+            match self.synth.finish(self.draft.clone(), Vec::new()) {
+                Ok(growth) => visit(&step, growth.skeleton),
+                Err(error) => self.failed = Some(error),
+            }
+        }
         total
     }
 
@@ -440,12 +537,51 @@ impl Run<'_> {
             let terms = self.terms(&self.draft);
             total = self.note(StepKind::Initialization { level }, terms);
             total = self.settle(level, total);
+            self.draft.feed_laterals(&self.nodes.places);
             self.draft.drop_idle();
             let mut next = self.draft.clone();
-            next.contract();
+            next.contract(usize::MAX / 2);
             total = self.accept(StepKind::Contraction { level }, next, total).unwrap_or(total);
+            let mut graft = Graft::new(&self.draft, &self.nodes, self.weights, &synth.levels);
+            if graft.rehang() {
+                total = self.accept(StepKind::Rehanging { level }, graft.finish(), total).unwrap_or(total);
+                total = self.update(StepKind::Update { level }, total).unwrap_or(total);
+            }
         }
         Ok(total)
+    }
+
+    /// Twigs for what is left, and a last update.
+    fn twigs(&mut self) {
+        let mut graft = Graft::new(&self.draft, &self.nodes, self.weights, &self.synth.levels);
+        graft.grow_twigs();
+        self.draft = graft.finish();
+        let terms = self.terms(&self.draft);
+        let mut total = self.note(StepKind::Twigs, terms);
+        let level = self.synth.levels.len() - 1;
+        total = self.update(StepKind::Update { level }, total).unwrap_or(total);
+        let mut next = self.draft.clone();
+        next.contract(super::graft::MOST);
+        total = self.accept(StepKind::Contraction { level }, next, total).unwrap_or(total);
+        for _ in 0..LAST {
+            let mut graft =
+                Graft::new(&self.draft, &self.nodes, self.weights, &self.synth.levels).with_twigs();
+            if !graft.rehang() {
+                break;
+            }
+            let Some(found) = self.accept(StepKind::Rehanging { level }, graft.finish(), total) else {
+                break;
+            };
+            total = self.update(StepKind::Update { level }, found).unwrap_or(found);
+        }
+    }
+
+    /// Moves all nodes to where the energy is less.
+    fn update(&mut self, kind: StepKind, total: f64) -> Option<f64> {
+        let mut next = self.draft.clone();
+        let model = Model::new(&self.draft, &self.nodes, self.weights);
+        descend(&model, &self.weights, &mut next.positions, self.soft, STEPS, 1e-4);
+        self.accept(kind, next, total)
     }
 
     /// Updates and partitions, as long as the energy falls; returns F.
@@ -488,8 +624,28 @@ impl Run<'_> {
     }
 }
 
+/// How many times a tree is as high as its trunk base is wide, if nothing else is asked for: trees in the open have
+/// between 20 and 60.
+const SLENDERNESS: f32 = 36.0;
+
+/// How many times as far from a shape node as these are from each other the outside begins.
+const MARGIN: f64 = 1.5;
+
+/// The median distance of a shape node from its nearest neighbour.
+fn spacing(places: &[DVec3]) -> f64 {
+    let neighbors = nearest_few(places, places, 2);
+    let mut apart: Vec<f64> = (0..places.len())
+        .map(|i| neighbors[i].iter().map(|&j| places[j as usize].distance(places[i])).fold(0.0, f64::max))
+        .collect();
+    apart.sort_by(f64::total_cmp);
+    apart[apart.len() / 2]
+}
+
 /// Quasi-Newton steps of one update, at most.
 const STEPS: u32 = 20;
 
+/// Times that subtrees are hung elsewhere and all nodes moved, at most, once there are twigs.
+const LAST: u32 = 4;
+
 /// Refinements in a row that may bring nothing: local minima go up and down (section 6, figure 10).
-const PATIENCE: u32 = 3;
+const PATIENCE: u32 = 2;

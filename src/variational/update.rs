@@ -4,8 +4,8 @@ use std::collections::VecDeque;
 
 use glam::DVec3;
 
-use super::model::Weights;
-use super::model::{Model, Soft};
+use super::energy::Soft;
+use super::model::{Model, Weights};
 
 /// Pairs of steps and slopes remembered.
 const MEMORY: usize = 6;
@@ -130,12 +130,19 @@ mod tests {
         draft.parents = vec![0, 0, 1, 2, 3, 1, 2, 3, 4];
         draft.wishes = vec![Wish::new(1.0); 9];
         draft.owners = (0..40).map(|i| 1 + i % 8).collect();
-        let weights = Weights { power: 0.8, lambda: 0.0, mu: 0.0 };
+        let weights = Weights { power: 0.8, lambda: 0.0, mu: 0.0, outside: 0.0, margin: 0.0 };
         let model = Model::new(&draft, &nodes, weights);
         let mut positions = draft.positions.clone();
         let wood = |positions: &[DVec3]| model.terms(positions, Soft::NONE, None).structure;
         assert!((wood(&positions) - 306.685_601_653).abs() < 1e-8, "the same start: {}", wood(&positions));
-        descend(&model, &weights, &mut positions, Soft { length: 1e-6, deviation: 0.05 }, 200, 1e-12);
+        descend(
+            &model,
+            &weights,
+            &mut positions,
+            Soft { length: 1e-6, deviation: 0.05, turn: 0.2 },
+            200,
+            1e-12,
+        );
         assert!(wood(&positions) < 255.128_401_213 + 1e-6, "{}", wood(&positions));
     }
 }

@@ -127,7 +127,6 @@ fn species_name_what_is_out_of_range() {
             ("Species.lifespan", species().with_lifespan(flat(-1.0))),
             ("Species.metamers", species().with_metamers(flat(1001.0))),
             ("Species.shoot_scale", species().with_shoot_scale(flat(-0.1))),
-            ("Species.taper", species().with_taper(flat(1.1))),
             ("Species.branching_angle", species().with_branching_angle(flat(0.0))),
             ("Phenology.season", species().with_phenology(year().with_season(0.5, 0.5))),
             ("Phenology.season", species().with_phenology(year().with_season(nan, 0.5))),

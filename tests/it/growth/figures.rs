@@ -38,15 +38,18 @@ impl Limb {
     }
 }
 
-/// The first-order branches by the numbers of their first nodes.
+/// The living first-order branches by the numbers of their first nodes.
 fn limbs(stand: &TreeAtAge) -> BTreeMap<u32, Limb> {
     let skeleton = &stand.skeleton;
     let branches = skeleton.branches();
-    let limbs = branches.iter().filter(|branch| branch.order() == 1).map(|branch| {
-        let first = branch.nodes()[1] as usize;
-        let places = branch.nodes().iter().map(|&node| skeleton.positions()[node as usize]).collect();
-        (stand.ids[first], Limb { year: skeleton.stages()[first], places })
-    });
+    let limbs = branches
+        .iter()
+        .filter(|branch| branch.order() == 1 && !stand.dead[branch.nodes()[1] as usize])
+        .map(|branch| {
+            let first = branch.nodes()[1] as usize;
+            let places = branch.nodes().iter().map(|&node| skeleton.positions()[node as usize]).collect();
+            (stand.ids[first], Limb { year: skeleton.stages()[first], places })
+        });
     limbs.collect()
 }
 

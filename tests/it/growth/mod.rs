@@ -5,3 +5,4 @@ mod figures;
 mod invariants;
 mod seasons;
 mod timelines;
+mod wood;

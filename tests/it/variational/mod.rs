@@ -1,5 +1,7 @@
 //! Trees that fill a shape: what each term of the energy says, what the optimization promises, what its figures show.
 
+mod topology;
+
 use crate::sample::cases;
 use proptest::prelude::*;
 use treesynth::glam::{DVec3, Vec3};

@@ -1,0 +1,42 @@
+//! How thick wood is: the pipe model, with rings that stay.
+
+use super::species::Species;
+
+/// The least and the greatest exponent. Within them the cross-sections of two branches of a fork are 1 to 1.12 times the one
+/// that bears them.
+const EXPONENTS: [f64; 2] = [2.0, 2.4];
+/// How much thinner or thicker twigs may be than the species says, for the trunk's sake.
+const TWIGS: [f32; 2] = [0.5, 1.5];
+
+/// The part of a pipe with which a shoot comes out of its bud: so that both that come from the end of last year's shoot are
+/// together as thick as that end.
+const LEAST: f64 = 0.45;
+
+/// The radius of wood by its pipes: `r = r_1 n^(1/a)`, Shinozaki and others 1964.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Thickness {
+    /// Of a single pipe, metres.
+    twig: f32,
+    /// 1 / a.
+    power: f64,
+}
+
+impl Thickness {
+    /// Such that the trunk base at the greatest age, with so many pipes, is as thick as the species says for its length.
+    pub(super) fn new(species: &Species, trunk_length: f32, pipes: f64) -> Self {
+        let base = species.stoutness * trunk_length * (trunk_length / species.longest_branch).sqrt();
+        let ratio = f64::from(base.max(species.twig_radius) / species.twig_radius);
+        let pipes = pipes.max(1.0);
+        let wanted = if ratio > 1.0 { libm::log(pipes) / libm::log(ratio) } else { EXPONENTS[1] };
+        let exponent = wanted.clamp(EXPONENTS[0], EXPONENTS[1]);
+        let power = 1.0 / exponent;
+        let needed = base / libm::pow(pipes, power) as f32;
+        let [least, most] = TWIGS.map(|times| times * species.twig_radius);
+        Self { twig: needed.clamp(least, most), power }
+    }
+
+    /// Metres; never 0, not even of a shoot that begins to unfold.
+    pub(super) fn radius(&self, pipes: f64) -> f32 {
+        self.twig * libm::pow(pipes.max(LEAST), self.power) as f32
+    }
+}
