@@ -31,7 +31,7 @@ impl std::fmt::Debug for Room {
         let (envelopes, obstacles) = (self.envelopes.len(), self.obstacles.len());
         let mut all = f.debug_struct("Room");
         all.field("envelopes", &envelopes).field("obstacles", &obstacles);
-        all.field("terrain", &self.terrain.is_some()).finish()
+        all.field("terrain", &self.terrain.is_some()).field("wanted", &self.wanted).finish()
     }
 }
 

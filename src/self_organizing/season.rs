@@ -3,7 +3,7 @@
 use super::environment::{Bud, Environment};
 use super::habit::Habit;
 use super::room::Room;
-use super::tree::{BUD, DEAD, DORMANT, FLOWER, Node, Site, Tree, is_node};
+use super::tree::{BUD, DORMANT, FLOWER, Node, Site, Tree, is_node};
 use super::vigor::Supply;
 use crate::math;
 use glam::Vec3;

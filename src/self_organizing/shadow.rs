@@ -238,7 +238,7 @@ impl ShadowPropagation {
         let top = obstacles.iter().map(|shape| shape.bounds().max.y).fold(max.y, f32::max);
         let mut bounds = Bounds::new(min, max.with_y(top.min(max.y + width) + cell));
         // And so do those beside it.
-        for shape in obstacles.iter().map(|shape| shape.bounds()).filter(|shape| !shape.is_empty()) {
+        for shape in obstacles.iter().map(Shape::bounds).filter(|shape| !shape.is_empty()) {
             let (low, high) = (shape.min.max(min - width), shape.max.min(max + width));
             bounds.min = bounds.min.min(low.with_y(min.y));
             bounds.max = bounds.max.max(high.with_y(max.y));

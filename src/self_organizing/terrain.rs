@@ -83,7 +83,7 @@ impl Terrain for Heightmap {
         ParameterError::unless(holds, "Heightmap.spacing", spacing, "in [1e-6, 1e6] metres")?;
         let holds = columns > 0 && !self.heights.is_empty() && self.heights.len().is_multiple_of(columns);
         ParameterError::unless(holds, "Heightmap.columns", columns, "a part of the number of heights")?;
-        let wrong = self.heights.iter().find(|height| !(height.abs() <= LARGEST));
+        let wrong = self.heights.iter().find(|height| height.is_nan() || height.abs() > LARGEST);
         ParameterError::unless(wrong.is_none(), "Heightmap.heights", wrong, "finite, within a million metres")
     }
 }

@@ -128,28 +128,30 @@ fn obstacles_cast_shade() {
     assert!(closed * 20 < open, "{closed} metamers under the roof, {open} in the open");
 }
 
+/// How many seeds sprout on this ground, once all that must hold on it has been looked at.
+fn sown_on(ground: &(impl Terrain + Clone + 'static), seed: u64) -> usize {
+    let offspring = Offspring::default().with_maturity(4).with_interval(2).with_seeds(1.0);
+    let habit = Habit::default().with_offspring(offspring);
+    let mut forest = Forest::new(ShadowPropagation::default(), habit, seed).with_terrain(ground.clone());
+    forest.plant(Vec3::new(0.3, 7.0, 0.1)).unwrap();
+    forest.grow(11).unwrap();
+    for tree in forest.trees() {
+        let foot = tree.foot();
+        assert_eq!(foot.y, ground.height(foot.x, foot.z));
+        for node in tree.positions() {
+            assert!(node.y >= ground.height(node.x, node.z) - 1e-6, "{node}");
+        }
+    }
+    forest.trees().len() - 1
+}
+
 /// Sown trees stand on the ground, as planted ones do, and nothing grows below it.
 #[test]
 fn nothing_floats_on_a_slope() {
     let slope = |x: f32, _z: f32| 0.5 * x;
     let heights = (0..9).flat_map(|z| (0..9).map(move |x| (x * z % 5) as f32 * 0.1)).collect();
     let map = Heightmap::new(Vec2::splat(-2.0), 0.5, 9, heights);
-    fn check(ground: impl Terrain + Clone + 'static, seed: u64) -> usize {
-        let offspring = Offspring::default().with_maturity(4).with_interval(2).with_seeds(1.0);
-        let habit = Habit::default().with_offspring(offspring);
-        let mut forest = Forest::new(ShadowPropagation::default(), habit, seed).with_terrain(ground.clone());
-        forest.plant(Vec3::new(0.3, 7.0, 0.1)).unwrap();
-        forest.grow(11).unwrap();
-        for tree in forest.trees() {
-            let foot = tree.foot();
-            assert_eq!(foot.y, ground.height(foot.x, foot.z));
-            for node in tree.positions() {
-                assert!(node.y >= ground.height(node.x, node.z) - 1e-6, "{node}");
-            }
-        }
-        forest.trees().len() - 1
-    }
-    let sown: usize = (1..=4).map(|seed| check(slope, seed) + check(map.clone(), seed)).sum();
+    let sown: usize = (1..=4).map(|seed| sown_on(&slope, seed) + sown_on(&map, seed)).sum();
     assert!(sown > 40, "{sown}");
 }
 
