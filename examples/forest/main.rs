@@ -35,12 +35,17 @@ fn run(options: &Options) -> Result<(), Failure> {
         .ok_or_else(|| format!("--preset is {:?}, but must be one of --list", options.preset))?;
     fs::create_dir_all(&options.out).map_err(|error| format!("--out {}: {error}", options.out.display()))?;
     let seasons = options.seasons.unwrap_or(stand.seasons);
-    let mut forest = stand.plant(options.seed.unwrap_or(stand.seed))?;
+    let planted = stand.plant(options.seed.unwrap_or(stand.seed))?.with_most_metamers(options.metamers);
+    let mut forest = planted.clone();
 
-    let bar = ProgressBar::new(u64::from(seasons) * 4);
+    // Twice: what the last season looks like says what the pictures of the others have to hold, and only one season at
+    // a time is kept as triangles.
+    let bar = ProgressBar::new(u64::from(seasons) * 8);
     bar.set_style(ProgressStyle::with_template("{msg:>24} [{bar:40}] {percent:>3}% {elapsed_precise}")?);
-    let mut looks = Vec::new();
-    for season in 0..seasons {
+    let mut last = Vec::new();
+    let mut frames: Vec<Picture> = Vec::new();
+    let mut preview = Preview::default().with_size(options.size, options.size).with_ground_height(0.0);
+    for season in 0..2 * seasons {
         let watch = |progress: Progress| {
             if let Work::Season { .. } = progress.work {
                 bar.set_position(u64::from(season) * 4 + (progress.fraction * 4.0) as u64);
@@ -49,26 +54,28 @@ fn run(options: &Options) -> Result<(), Failure> {
         };
         forest.grow_observed(1, &watch)?;
         bar.set_message(format!("{} trees, {} metamers", forest.trees().len(), forest.metamers()));
-        // Half of the detail will do for the small pictures of the animation.
-        looks.push(look(stand, &forest, if season + 1 == seasons { 8 } else { 4 })?);
+        if season + 1 == seasons {
+            last = look(stand, &forest, 8)?;
+            let bounds = last.iter().filter_map(|look| look.mesh.bounds()).reduce(Bounds::union);
+            preview =
+                preview.with_camera(Camera::default().with_frame(bounds.ok_or("nothing has sprouted yet")?));
+            forest = planted.clone();
+        } else if season >= seasons {
+            // Half of the detail will do for the small pictures of the animation.
+            let looks = look(stand, &forest, 4)?;
+            let parts: Vec<Part<'_>> = looks.iter().flat_map(Look::parts).collect();
+            if !parts.is_empty() {
+                frames.push(preview.draw_parts(&parts)?);
+            }
+        }
     }
     bar.finish_and_clear();
-    let last = looks.last().ok_or("nothing has grown: --seasons must be at least 1")?;
     let parts: Vec<Part<'_>> = last.iter().flat_map(Look::parts).collect();
 
     let file = |extension: &str| options.out.join(format!("{}.{extension}", stand.name));
     let name = GlbOptions::default().with_name(stand.name);
     write(&file("glb"), |writer| Ok(write_glb_parts(&parts, &name, writer)?))?;
     write(&file("png"), |writer| Ok(Preview::default().draw_parts(&parts)?.write_png(writer)?))?;
-    let bounds = last.iter().filter_map(|look| look.mesh.bounds()).reduce(Bounds::union);
-    let camera = Camera::default().with_frame(bounds.ok_or("nothing has sprouted yet")?);
-    let preview = Preview::default().with_camera(camera).with_size(options.size, options.size);
-    let sprouted = looks.iter().filter(|season| !season.is_empty());
-    let frames = sprouted.map(|season| {
-        let parts: Vec<Part<'_>> = season.iter().flat_map(Look::parts).collect();
-        preview.clone().with_ground_height(0.0).draw_parts(&parts)
-    });
-    let frames: Vec<Picture> = frames.collect::<Result<_, _>>()?;
     write(&file("apng"), |writer| Ok(Picture::write_animation(&frames, 250, writer)?))?;
     println!(
         "{}: {} seasons, {} trees, {} metamers -> {}",

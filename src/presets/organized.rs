@@ -3,7 +3,9 @@
 use super::{Season, degrees, look};
 use crate::Skeleton;
 use crate::foliage::{FoliageError, Leaves};
-use crate::self_organizing::{Forest, ForestError, Habit, Offspring, ShadowPropagation, Tree, VigorModel};
+use crate::self_organizing::{
+    Axis, Forest, ForestError, Habit, Offspring, Phyllotaxis, ShadowPropagation, Tree, VigorModel,
+};
 use crate::shape::{Bounds, Cuboid, Sphere, Union};
 use glam::Vec3;
 
@@ -73,6 +75,9 @@ pub fn stand_by_name(name: &str) -> Option<&'static Stand> {
 /// 8 m.
 const LENGTH: f32 = 0.1;
 
+/// Each lateral 137.5° around from the one before.
+const GOLDEN: Phyllotaxis = Phyllotaxis::Spiral { divergence: 2.4 };
+
 const STANDS: &[Stand] = &[
     stand("stand-excurrent", "Apical control 0.55: a leader above all.", 14, |seed| {
         alone(seed, apical(0.55))
@@ -108,6 +113,49 @@ const STANDS: &[Stand] = &[
             .with_shedding(None);
         let light = light(4.0, 5.0).with_cell(0.03);
         let mut forest = Forest::new(light, habit.with_tip_radius(0.0015), seed).with_envelope(shape);
+        forest.plant(Vec3::ZERO)?;
+        Ok(forest)
+    }),
+    stand("stand-priority", "The priority model: a leader, and limbs by rank of their light.", 16, |seed| {
+        let model = VigorModel::Priority { first: 3.0, last: 1.0, part: 0.3 };
+        alone(seed, apical(0.5).with_vigor_model(model))
+    }),
+    stand(
+        "stand-spruce",
+        "Level limbs near the end of each year's shoot, on a trunk that goes on.",
+        18,
+        |seed| {
+            let trunk = Axis::default().with_laterals(0.5, 1.0).with_longest(5.0).with_up_weight(0.3);
+            let limbs = Axis::default()
+                .with_angle(degrees(75.0))
+                .with_level_weight(0.4)
+                .with_optimal_weight(0.02)
+                .with_laterals(0.4, 1.0)
+                .with_longest(3.0);
+            let twigs = limbs.with_angle(degrees(50.0)).with_longest(2.0);
+            let habit = apical(0.56).with_phyllotaxis(GOLDEN).with_axes([trunk, limbs, twigs]);
+            alone(seed, habit)
+        },
+    ),
+    stand("stand-spray", "Laterals in two rows on level axes: the flat spray of a beech.", 16, |seed| {
+        let trunk = Axis::default().with_optimal_weight(0.15);
+        let limbs = Axis::default()
+            .with_angle(degrees(50.0))
+            .with_level_weight(0.25)
+            .with_optimal_weight(0.04)
+            .with_longest(5.0);
+        let rows = Phyllotaxis::Spiral { divergence: std::f32::consts::PI };
+        alone(seed, apical(0.52).with_phyllotaxis(rows).with_axes([trunk, limbs]))
+    }),
+    stand("stand-spreading", "Limbs that leave the trunk at sixty degrees and keep to it.", 17, |seed| {
+        let limbs = Axis::default().with_angle(degrees(60.0)).with_optimal_weight(0.03);
+        alone(seed, apical(0.5).with_phyllotaxis(GOLDEN).with_axes([Axis::default(), limbs]))
+    }),
+    stand("stand-slope", "Four generations on a slope of one in two.", 22, |seed| {
+        let offspring =
+            Offspring::default().with_maturity(6).with_interval(4).with_distance(0.7).with_seeds(0.5);
+        let habit = apical(0.5).with_offspring(offspring);
+        let mut forest = Forest::new(light(24.0, 14.0), habit, seed).with_terrain(|x: f32, _: f32| 0.5 * x);
         forest.plant(Vec3::ZERO)?;
         Ok(forest)
     }),

@@ -2,11 +2,11 @@
 
 use super::environment::{Bud, Environment};
 use super::habit::within;
+use super::region::Region;
 use super::tree::Site;
-use crate::ParameterError;
-use crate::math;
 use crate::random::{Purpose, stream};
 use crate::shape::{Bounds, LARGEST, Shape};
+use crate::{ParameterError, math, parallel};
 use glam::{IVec3, Vec3};
 
 /// The most markers.
@@ -18,13 +18,20 @@ const MOST_CELLS: f32 = 128.0;
 ///
 /// A marker within the occupancy radius of a node is taken. Each free one goes to the nearest bud that perceives
 /// it, in a cone around the bud's direction up to the perception distance; among equally near buds to the first.
-/// A bud gets so much light for each of its markers, and its optimal direction is the mean of the unit vectors
-/// towards them.
+/// A bud that has a marker gets light 1, whatever their number, and one that has none gets none, as in Pałubicki et al.
+/// 2009; so the vigor of a tree does not depend on how densely space is sown. Its optimal direction is the mean of
+/// the unit vectors towards its markers.
 ///
-/// A marker is free again once the nodes that took it have fallen, so that a cut branch can grow again.
+/// A metamer grows only where space is free: where it begins, a marker that no node had taken at the start of the
+/// season must lie within the perception distance and not behind it. Markers [in a shape](Self::in_shape) confine
+/// growth to that shape, but for what comes in from outside.
 ///
-/// Time: O(markers near a bud) for each bud and season. Memory: 24 bytes a marker. Markers are found through a
-/// grid of cells as wide as the larger radius.
+/// A marker is free again once the nodes that took it have fallen, so that a cut branch can grow again. When branches
+/// are shed, every living bud counts as if it had light: what has taken its space keeps it, and a crown that is
+/// full stays as it is.
+///
+/// Time: O(free markers near a bud) for each bud and season, on all threads. Memory: 24 bytes a marker. Markers are
+/// found through a grid of cells as wide as the larger radius.
 ///
 /// ```
 /// use treesynth::glam::Vec3;
@@ -47,6 +54,11 @@ pub struct SpaceColonization {
     grid: Grid,
     /// How many nodes take each marker.
     takers: Vec<u32>,
+    /// Free markers by cell as of this season, where each cell's begin, and whether there are any in it or beside it.
+    free: Vec<Vec3>,
+    free_numbers: Vec<u32>,
+    free_starts: Vec<u32>,
+    near_free: Vec<bool>,
     /// What each surveyed bud gets: markers, and the sum of the directions towards them.
     gains: Vec<(u32, Vec3)>,
 }
@@ -60,6 +72,9 @@ struct Options {
     distance: f32,
     angle: f32,
     light: f32,
+    /// Where growth is confined to; none if the user has brought the markers.
+    #[cfg_attr(feature = "serde", serde(default))]
+    region: Option<Region>,
 }
 
 /// Markers by cell.
@@ -75,14 +90,15 @@ struct Grid {
 
 impl SpaceColonization {
     /// Markers that the user brings, metres: at most 2²⁶, finite. Occupancy radius 0.04 m, perception up to 0.12
-    /// m within 45° of the bud's direction, light 0.25 a marker: two and six metamers of the default habit, in
-    /// the ranges of Pałubicki et al. 2009.
+    /// m within 45° of the bud's direction, light 1: two and six metamers of the default habit, in the ranges of
+    /// Pałubicki et al. 2009.
     pub fn new(markers: Vec<Vec3>) -> Self {
         let angle = std::f32::consts::FRAC_PI_4;
-        Self::of(Options { markers, occupancy: 0.04, distance: 0.12, angle, light: 0.25 })
+        Self::of(Options { markers, occupancy: 0.04, distance: 0.12, angle, light: 1.0, region: None })
     }
 
-    /// So many markers, drawn in `shape` where all parts are equally likely.
+    /// So many markers, drawn in `shape` where all parts are equally likely. Nodes stay in the shape, to a 64th of its
+    /// size; a tree that stands outside may grow into it.
     ///
     /// # Errors
     /// Options of the shape out of range; too many markers; a shape that is empty or so thin that no point is found.
@@ -93,12 +109,24 @@ impl SpaceColonization {
         let points: Option<Vec<Vec3>> = (0..markers).map(|_| shape.sample(&mut random)).collect();
         let bounds = shape.bounds();
         let range = "a shape in which points are found";
-        points.map(Self::new).ok_or_else(|| ParameterError::new("shape", format_args!("{bounds:?}"), range))
+        let points = points.ok_or_else(|| ParameterError::new("shape", format_args!("{bounds:?}"), range))?;
+        let mut space = Self::new(points);
+        space.options.region = Some(Region::new(shape));
+        Ok(space)
     }
 
     fn of(options: Options) -> Self {
         let takers = vec![0; options.markers.len()];
-        Self { options, grid: Grid::default(), takers, gains: Vec::new() }
+        Self {
+            options,
+            grid: Grid::default(),
+            takers,
+            free: Vec::new(),
+            free_numbers: Vec::new(),
+            free_starts: Vec::new(),
+            near_free: Vec::new(),
+            gains: Vec::new(),
+        }
     }
 
     /// Sets the radius around each node in which markers are taken, metres, in [0, 1e3]; 0.04 by default.
@@ -114,7 +142,7 @@ impl SpaceColonization {
         Self::of(self.options)
     }
 
-    /// Sets the light a marker is worth, in [0, 1e3]; 0.25 by default.
+    /// Sets the light of a bud that has a marker, in [0, 1e3]; 1 by default.
     pub fn with_light(mut self, light: f32) -> Self {
         self.options.light = light;
         self
@@ -139,15 +167,94 @@ impl SpaceColonization {
             self.grid = Grid::new(&self.options.markers, self.options.occupancy.max(self.options.distance));
         }
     }
+
+    /// Lists the free markers of each cell.
+    fn list_free(&mut self) {
+        let Self { grid, takers, options, .. } = self;
+        let cells = grid.starts.len() - 1;
+        (self.free, self.free_numbers) = (Vec::new(), Vec::new());
+        self.free_starts = vec![0];
+        for cell in 0..cells {
+            for &marker in &grid.members[grid.starts[cell] as usize..grid.starts[cell + 1] as usize] {
+                if takers[marker as usize] == 0 {
+                    self.free.push(options.markers[marker as usize]);
+                    self.free_numbers.push(marker);
+                }
+            }
+            self.free_starts.push(self.free.len() as u32);
+        }
+        self.near_free = vec![false; cells];
+        for cell in (0..cells).filter(|&cell| self.free_starts[cell + 1] > self.free_starts[cell]) {
+            let place = self.grid.place_of(cell as u32);
+            let (low, high) = ((place - 1).max(IVec3::ZERO), (place + 1).min(self.grid.size - 1));
+            for z in low.z..=high.z {
+                for y in low.y..=high.y {
+                    for x in low.x..=high.x {
+                        self.near_free[self.grid.number(IVec3::new(x, y, z)) as usize] = true;
+                    }
+                }
+            }
+        }
+    }
+
+    /// Calls `found` with each free marker at most `radius` from `point`: its place in the list and the way to it. Stops
+    /// when told to.
+    fn near_free(&self, point: Vec3, radius: f32, mut found: impl FnMut(usize, Vec3) -> bool) {
+        if self.free.is_empty() {
+            return;
+        }
+        let place = self.grid.place(point);
+        let inside = place.cmpge(IVec3::ZERO).all() && place.cmplt(self.grid.size).all();
+        if inside && !self.near_free[self.grid.number(place) as usize] {
+            return;
+        }
+        let low = self.grid.place(point - radius).max(IVec3::ZERO);
+        let high = self.grid.place(point + radius).min(self.grid.size - 1);
+        for z in low.z..=high.z {
+            for y in low.y..=high.y {
+                if low.x > high.x {
+                    return;
+                }
+                let first = self.grid.number(IVec3::new(low.x, y, z)) as usize;
+                let last = self.grid.number(IVec3::new(high.x, y, z)) as usize;
+                for marker in self.free_starts[first] as usize..self.free_starts[last + 1] as usize {
+                    let away = self.free[marker] - point;
+                    if away.length_squared() <= radius * radius && !found(marker, away) {
+                        return;
+                    }
+                }
+            }
+        }
+    }
 }
+
+/// Buds that are looked at in one go.
+const PART: usize = 4096;
 
 impl Environment for SpaceColonization {
     fn light(&self, bud: &Bud<'_>) -> f32 {
-        self.gain(bud).0 as f32 * self.options.light
+        if self.gain(bud).0 > 0 { self.options.light } else { 0.0 }
     }
 
     fn direction(&self, bud: &Bud<'_>) -> Vec3 {
         self.gain(bud).1.normalize_or_zero()
+    }
+
+    fn upkeep(&self) -> Option<f32> {
+        Some(self.options.light)
+    }
+
+    fn admits(&self, start: Vec3, end: Vec3) -> bool {
+        let leaves = |region: &Region| region.contains(start) && !region.contains(end);
+        if self.options.region.as_ref().is_some_and(leaves) {
+            return false;
+        }
+        let mut free = false;
+        self.near_free(start, self.options.distance, |_, away| {
+            free = away.dot(end - start) >= 0.0;
+            !free
+        });
+        free
     }
 
     fn surveys(&self) -> bool {
@@ -156,26 +263,42 @@ impl Environment for SpaceColonization {
 
     fn prepare(&mut self, buds: &[Site]) {
         self.build_grid();
-        let Options { markers, distance, angle, .. } = &self.options;
-        let cos = math::cos(*angle);
-        // The square of the distance to the nearest bud that perceives each marker, and that bud.
-        let mut nearest = vec![(f32::INFINITY, 0u32); markers.len()];
-        for (index, bud) in buds.iter().enumerate() {
-            self.grid.near(bud.position, *distance, markers, |marker, away| {
-                let squared = away.length_squared();
-                let perceived = away.dot(bud.direction) >= cos * squared.sqrt();
-                if self.takers[marker] == 0 && perceived && squared < nearest[marker].0 {
-                    nearest[marker] = (squared, index as u32);
-                }
-            });
+        self.list_free();
+        let Options { distance, angle, .. } = self.options;
+        let cos = math::cos(angle);
+        // Each bud that perceives a free marker, the marker, and the square of the distance.
+        let parts: Vec<&[Site]> = buds.chunks(PART).collect();
+        let seen = parallel::map(parts.len(), |part| {
+            let mut seen: Vec<(u32, u32, f32)> = Vec::new();
+            for (index, bud) in parts[part].iter().enumerate() {
+                self.near_free(bud.position, distance, |marker, away| {
+                    let squared = away.length_squared();
+                    if away.dot(bud.direction) >= cos * squared.sqrt() {
+                        seen.push(((part * PART + index) as u32, marker as u32, squared));
+                    }
+                    true
+                });
+            }
+            seen
+        });
+        let mut nearest = vec![(f32::INFINITY, 0u32); self.free.len()];
+        for (bud, marker, squared) in seen.into_iter().flatten() {
+            let nearest = &mut nearest[marker as usize];
+            if squared < nearest.0 {
+                *nearest = (squared, bud);
+            }
         }
         self.gains.clear();
         self.gains.resize(buds.len(), (0, Vec3::ZERO));
-        for (&marker, &(squared, bud)) in markers.iter().zip(&nearest) {
+        // By the markers' numbers, so that sums of directions do not depend on the grid.
+        let mut order: Vec<u32> = (0..self.free.len() as u32).collect();
+        order.sort_unstable_by_key(|&marker| self.free_numbers[marker as usize]);
+        for marker in order {
+            let (squared, bud) = nearest[marker as usize];
             if squared < f32::INFINITY {
                 let gain = &mut self.gains[bud as usize];
                 gain.0 += 1;
-                gain.1 += (marker - buds[bud as usize].position).normalize_or_zero();
+                gain.1 += (self.free[marker as usize] - buds[bud as usize].position).normalize_or_zero();
             }
         }
     }
@@ -192,13 +315,15 @@ impl Environment for SpaceColonization {
     }
 
     fn check(&self) -> Result<(), ParameterError> {
-        let Options { markers, occupancy, distance, angle, light } = &self.options;
+        let Options { markers, occupancy, distance, angle, light, region } = &self.options;
         check_count(markers.len())?;
         let far = |marker: &&Vec3| !marker.abs().cmple(Vec3::splat(LARGEST)).all();
         if let Some(marker) = markers.iter().find(far) {
             let range = "within a million metres";
             return Err(ParameterError::new("SpaceColonization.markers", format_args!("{marker:?}"), range));
         }
+        let holds = region.as_ref().is_none_or(Region::is_sound);
+        ParameterError::unless(holds, "SpaceColonization.region", "unsound", "cells of a box, all of them")?;
         within("SpaceColonization.occupancy", *occupancy, 0.0, 1e3)?;
         within("SpaceColonization.distance", *distance, 0.0, 1e3)?;
         within("SpaceColonization.angle", *angle, 0.0, std::f32::consts::PI)?;
@@ -238,6 +363,12 @@ impl Grid {
         ((place.z * self.size.y + place.y) * self.size.x + place.x) as u32
     }
 
+    /// The cell of this number.
+    fn place_of(&self, number: u32) -> IVec3 {
+        let (row, x) = (number as i32 / self.size.x, number as i32 % self.size.x);
+        IVec3::new(x, row % self.size.y, row / self.size.y)
+    }
+
     /// Calls `found` with each marker at most `radius` from `point`, and the way to it.
     fn near(&self, point: Vec3, radius: f32, markers: &[Vec3], mut found: impl FnMut(usize, Vec3)) {
         let low = self.place(point - radius).max(IVec3::ZERO);
@@ -267,7 +398,10 @@ impl From<SpaceColonization> for Options {
 
 #[cfg(feature = "serde")]
 impl From<Options> for SpaceColonization {
-    fn from(options: Options) -> Self {
+    fn from(mut options: Options) -> Self {
+        if let Some(region) = &mut options.region {
+            region.unpack();
+        }
         Self::of(options)
     }
 }

@@ -1,9 +1,12 @@
 //! What buds compete for.
 
 use super::habit::Habit;
+use super::terrain::Terrain;
 use super::tree::{Site, Tree};
 use crate::ParameterError;
+use crate::shape::Shape;
 use glam::Vec3;
+use std::sync::Arc;
 
 /// Says how much light, space or whatever else trees live on each bud gets, and in which direction there is more.
 ///
@@ -68,6 +71,32 @@ pub trait Environment: Send + Sync {
         let _ = (appeared, fallen);
     }
 
+    /// How much shade each node of a species casts, as a multiple of the environment's own measure; 1 by default. When
+    /// the answer for a species changes, its nodes are taken out and put in again.
+    fn shade_of(&self, habit: &Habit) -> f32 {
+        let _ = habit;
+        1.0
+    }
+
+    /// As [`update`](Self::update), of nodes that all cast this much [shade](Self::shade_of). The default forgets the
+    /// shade. This is what a forest calls.
+    fn update_shaded(&mut self, shade: f32, appeared: &[Vec3], fallen: &[Vec3]) {
+        let _ = shade;
+        self.update(appeared, fallen);
+    }
+
+    /// What stands in the way of light: all obstacles of the forest and its terrain, each time there are others. The
+    /// default does not care; nodes keep out of them in any case.
+    fn obstruct(&mut self, obstacles: &[Arc<dyn Shape>], terrain: Option<&Arc<dyn Terrain>>) {
+        let _ = (obstacles, terrain);
+    }
+
+    /// The light of a living bud that counts when branches are shed; `None`, the default, for what it gets this
+    /// season. An environment in which buds that have taken their space get no more says `Some`.
+    fn upkeep(&self) -> Option<f32> {
+        None
+    }
+
     /// Whether [`prepare`](Self::prepare) wants to see all buds at the start of each season. The default does
     /// not, which saves listing them.
     fn surveys(&self) -> bool {
@@ -84,6 +113,13 @@ pub trait Environment: Send + Sync {
     fn contains(&self, point: Vec3) -> bool {
         let _ = point;
         true
+    }
+
+    /// Whether a metamer may grow from `start` to `end`; by default if the environment [contains](Self::contains) its
+    /// end. A bud that may not grow waits for another season.
+    fn admits(&self, start: Vec3, end: Vec3) -> bool {
+        let _ = start;
+        self.contains(end)
     }
 
     /// Whether the options are in range.
@@ -110,6 +146,26 @@ impl<T: Environment + ?Sized> Environment for Box<T> {
 
     fn update(&mut self, appeared: &[Vec3], fallen: &[Vec3]) {
         (**self).update(appeared, fallen);
+    }
+
+    fn shade_of(&self, habit: &Habit) -> f32 {
+        (**self).shade_of(habit)
+    }
+
+    fn update_shaded(&mut self, shade: f32, appeared: &[Vec3], fallen: &[Vec3]) {
+        (**self).update_shaded(shade, appeared, fallen);
+    }
+
+    fn obstruct(&mut self, obstacles: &[Arc<dyn Shape>], terrain: Option<&Arc<dyn Terrain>>) {
+        (**self).obstruct(obstacles, terrain);
+    }
+
+    fn upkeep(&self) -> Option<f32> {
+        (**self).upkeep()
+    }
+
+    fn admits(&self, start: Vec3, end: Vec3) -> bool {
+        (**self).admits(start, end)
     }
 
     fn surveys(&self) -> bool {
@@ -153,6 +209,16 @@ impl Bud<'_> {
         } else {
             self.tree.direction(self.node)
         }
+    }
+
+    /// The species it belongs to.
+    pub fn habit(&self) -> &Habit {
+        self.habit
+    }
+
+    /// The branch order of the shoot it would make: 0 on the trunk.
+    pub fn order(&self) -> u8 {
+        self.tree.nodes[self.node as usize].order_of(usize::from(self.lateral))
     }
 
     /// Whether it stands at the side of its metamer, not at its end.

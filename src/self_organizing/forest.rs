@@ -4,9 +4,10 @@ use super::environment::Environment;
 use super::habit::Habit;
 use super::room::Room;
 use super::shadow::ShadowPropagation;
-use super::tree::{Change, Part, Plan, Setting, Tree};
+use super::terrain::Terrain;
+use super::tree::Tree;
 use super::width::Width;
-use crate::observer::{Cancelled, Observer, Silent, Work, report};
+use crate::observer::{Cancelled, Observer, Silent, Work};
 use crate::radius::{RadiusError, RadiusModel};
 use crate::shape::{LARGEST, Shape};
 use crate::skeleton::{Skeleton, SkeletonError};
@@ -19,12 +20,6 @@ const MOST_METAMERS: usize = 10_000_000;
 const MOST_TREES: usize = 10_000;
 /// The most parts of a season.
 const MOST_PARTS: u32 = 64;
-/// Trees take turns in a season: those whose numbers leave the same remainder grow at once.
-pub(super) const TURNS: u32 = 4;
-
-/// The environment is told of about so many nodes at once.
-const TOLD: usize = 1 << 18;
-
 /// Trees that grow season by season and compete in one [`Environment`].
 ///
 /// In a season the trees take four turns, by the remainder of their numbers; under an environment that surveys buds
@@ -33,8 +28,9 @@ const TOLD: usize = 1 << 18;
 /// neighbours do not all grow into the same gap, and the number of threads does not matter. Every random draw is
 /// keyed by (seed, tree, node). [`with_parts`](Self::with_parts) does the same for the shoots of one tree.
 ///
-/// With serde a forest is written with its environment's options and all trees, and goes on bit for bit when read
-/// back; what could not have grown is refused. Envelopes and obstacles are not written: add them again.
+/// With serde a forest is written with its environment's options and all trees, at any moment, and goes on bit for bit
+/// when read back; what could not have grown is refused. Envelopes, obstacles and terrain are not written, but what
+/// tells them from others is: add the same again, in the same order, or growth is refused.
 ///
 /// Memory: 40 bytes a metamer, on the way about 16 more for those of the trees being worked on. Time: O(n) a season
 /// for n metamers, and what the environment takes.
@@ -58,7 +54,7 @@ const TOLD: usize = 1 << 18;
 #[cfg_attr(feature = "serde", serde(bound(deserialize = "E: serde::Deserialize<'de>")))]
 pub struct Forest<E: Environment = ShadowPropagation> {
     pub(super) environment: E,
-    #[cfg_attr(feature = "serde", serde(skip))]
+    #[cfg_attr(feature = "serde", serde(serialize_with = "super::saved::write_room"))]
     pub(super) room: Room,
     pub(super) habits: Vec<Habit>,
     pub(super) trees: Vec<Tree>,
@@ -71,6 +67,9 @@ pub struct Forest<E: Environment = ShadowPropagation> {
     pub(super) most_trees: usize,
     /// In how many parts the shoots of a season grow.
     pub(super) parts: u32,
+    /// The shade of each species that the environment has been told of.
+    #[cfg_attr(feature = "serde", serde(skip))]
+    pub(super) told: Vec<f32>,
 }
 
 /// Why a season did not come to pass.
@@ -135,6 +134,7 @@ impl<E: Environment> Forest<E> {
             most_metamers: MOST_METAMERS,
             most_trees: MOST_TREES,
             parts: 1,
+            told: Vec::new(),
         }
     }
 
@@ -161,10 +161,33 @@ impl<E: Environment> Forest<E> {
     }
 
     /// Nodes stay outside of `shape` from now on. Metamers are looked at in four places each, so one can slip through
-    /// a shape that is thinner than a quarter of it.
+    /// a shape that is thinner than a quarter of it. Under [`ShadowPropagation`] an obstacle also casts shade.
     pub fn with_obstacle(mut self, shape: impl Shape + 'static) -> Self {
         self.room.obstacles.push(Arc::new(shape));
+        self.obstruct();
         self
+    }
+
+    /// Sets the ground: trees stand on it, wherever they are planted or sown, and nothing grows below it. Under
+    /// [`ShadowPropagation`] hills cast shade.
+    pub fn with_terrain(mut self, terrain: impl Terrain + 'static) -> Self {
+        self.room.terrain = Some(Arc::new(terrain));
+        self.obstruct();
+        self
+    }
+
+    /// Tells the environment what stands in the way of light; what has grown is told anew.
+    fn obstruct(&mut self) {
+        let nodes = |trees: &[Tree], habit: usize| -> Vec<Vec3> {
+            trees.iter().filter(|tree| tree.habit() == habit).flat_map(Tree::positions).collect()
+        };
+        for (habit, &shade) in self.told.iter().enumerate() {
+            self.environment.update_shaded(shade, &[], &nodes(&self.trees, habit));
+        }
+        self.environment.obstruct(&self.room.obstacles, self.room.terrain.as_ref());
+        for (habit, &shade) in self.told.iter().enumerate() {
+            self.environment.update_shaded(shade, &nodes(&self.trees, habit), &[]);
+        }
     }
 
     /// Sets the most metamers, at most 2³¹; 10 million by default. A turn that would lead beyond is not begun.
@@ -190,7 +213,7 @@ impl<E: Environment> Forest<E> {
         self
     }
 
-    /// Plants a tree of the first species at `foot`, metres; returns its number.
+    /// Plants a tree of the first species at `foot`, metres, or on the terrain above or below it; returns its number.
     ///
     /// # Errors
     /// No room there: outside of the environment or an envelope, in an obstacle, not finite; or too many trees.
@@ -210,20 +233,32 @@ impl<E: Environment> Forest<E> {
             habit,
             "the number of one of the species",
         )?;
-        let range = "where the environment, envelopes and obstacles leave room, within a million metres";
+        let foot = self.room.grounded(foot);
+        let range =
+            "where the environment, envelopes, obstacles and terrain leave room, within a million metres";
         ParameterError::unless(self.has_room(foot), "foot", foot, range)?;
         let trees = self.trees.len();
         ParameterError::unless(trees < self.most_trees, "Forest.trees", trees, "below the most trees")?;
+        let next = self.next_tree;
+        ParameterError::unless(next < u32::MAX, "Forest.next_tree", next, "below 4294967295")?;
+        self.tell_shades();
         self.root(foot, habit as u32, 0);
-        self.environment.update(&[foot], &[]);
-        Ok(self.next_tree - 1)
+        self.environment.update_shaded(self.told[habit], &[foot], &[]);
+        if let Err(error) = self.environment.check() {
+            // The environment cannot reach it.
+            self.environment.update_shaded(self.told[habit], &[], &[foot]);
+            self.trees.pop();
+            self.next_tree = next;
+            return Err(error.into());
+        }
+        Ok(next)
     }
 
-    fn has_room(&self, foot: Vec3) -> bool {
+    pub(super) fn has_room(&self, foot: Vec3) -> bool {
         foot.abs().max_element() <= LARGEST && self.environment.contains(foot) && self.room.holds(foot)
     }
 
-    fn root(&mut self, foot: Vec3, habit: u32, generation: u16) {
+    pub(super) fn root(&mut self, foot: Vec3, habit: u32, generation: u16) {
         self.trees.push(Tree::new(foot, self.next_tree, habit, generation, self.season));
         self.next_tree += 1;
     }
@@ -282,111 +317,6 @@ impl<E: Environment> Forest<E> {
         Ok(forest)
     }
 
-    fn pass(&mut self, work: Work, observer: &dyn Observer) -> Result<(), ForestError> {
-        self.check()?;
-        report(observer, work, 0.0)?;
-        loop {
-            self.take_turn()?;
-            report(observer, work, if self.turn == 0 { 1.0 } else { self.turn as f32 / TURNS as f32 })?;
-            if self.turn == 0 {
-                return Ok(());
-            }
-        }
-    }
-
-    /// The season of the trees whose turn it is: they look, all at once, then grow, then the environment is told.
-    fn take_turn(&mut self) -> Result<(), ForestError> {
-        let season =
-            self.season.checked_add(1).ok_or(ForestError::Numbers { what: "seasons", most: 65_535 })?;
-        let standing = self.metamers() as u64;
-        let (habits, seed, turn) = (&self.habits, self.seed, self.turn);
-        // Buds that share out markers must all be there at once.
-        let turns = if self.environment.surveys() { 1 } else { TURNS };
-        let mut trees: Vec<&mut Tree> =
-            self.trees.iter_mut().filter(|tree| tree.number % turns == turn).collect();
-        let mut firsts = Vec::new();
-        if self.environment.surveys() {
-            let sites =
-                parallel::each_mut(&mut trees, |_, tree| tree.sites(&habits[tree.habit as usize], seed));
-            self.environment.prepare(&sites.concat());
-            firsts.extend(sites.iter().scan(0, |next, sites| {
-                *next += sites.len() as u32;
-                Some(*next - sites.len() as u32)
-            }));
-        }
-        let plans = {
-            let setting = settings(&self.environment, &self.room, habits, seed, season);
-            parallel::each_mut(&mut trees, |i, tree| {
-                tree.plan(&setting(tree), firsts.get(i).copied().unwrap_or(0), self.parts)
-            })
-        };
-        check_limits(season, &trees, &plans, standing, self.most_metamers)?;
-        let mut planned: Vec<(&mut Tree, Plan)> = trees.into_iter().zip(plans).collect();
-        for part in 0..self.parts {
-            let part = Part { index: part, of: self.parts };
-            let changes = {
-                let setting = settings(&self.environment, &self.room, habits, seed, season);
-                parallel::each_mut(&mut planned, |_, (tree, plan)| tree.carry_out(part, plan, &setting(tree)))
-            };
-            tell(&mut self.environment, changes);
-        }
-        self.turn = (turn + 1) % turns;
-        if self.turn == 0 {
-            self.season = season;
-            let change = self.bury_and_sow();
-            tell(&mut self.environment, vec![change]);
-        }
-        Ok(())
-    }
-
-    /// Takes dead trees away and sows new ones where there is room for them.
-    fn bury_and_sow(&mut self) -> Change {
-        let mut change = Change::default();
-        let (habits, season) = (&self.habits, self.season);
-        self.trees.retain(|tree| {
-            let dead = tree.is_dead(&habits[tree.habit as usize], season);
-            if dead {
-                change.fallen.extend(tree.positions());
-            }
-            !dead
-        });
-        for index in 0..self.trees.len() {
-            let tree = &self.trees[index];
-            let (habit, generation) = (tree.habit, tree.generation.saturating_add(1));
-            let Some(offspring) = self.habits[habit as usize].offspring else { continue };
-            let age = season - tree.born();
-            for foot in offspring.sow(tree.foot(), tree.vigor, age, self.seed, tree.number) {
-                if self.trees.len() < self.most_trees && self.next_tree < u32::MAX && self.has_room(foot) {
-                    self.root(foot, habit, generation);
-                    change.appeared.push(foot);
-                }
-            }
-        }
-        change
-    }
-
-    /// Cuts a branch off: the metamer below `node` of the tree of this number, and all above it. A bud takes its
-    /// place, and the branch may grow again. What is left keeps its width, but shedding asks of it the vigor for
-    /// what it still carries.
-    ///
-    /// # Errors
-    /// No tree of this number; no such node, or the foot.
-    pub fn cut(&mut self, tree: u32, node: usize) -> Result<(), ParameterError> {
-        let place = self.trees.binary_search_by_key(&tree, Tree::number);
-        let place =
-            place.map_err(|_| ParameterError::new("tree", tree, "the number of a tree that stands"))?;
-        let nodes = self.trees[place].nodes.len();
-        ParameterError::unless(
-            (1..nodes).contains(&node),
-            "node",
-            node,
-            "a node of the tree above its foot",
-        )?;
-        let fallen = self.trees[place].cut(node as u32);
-        self.environment.update(&[], &fallen);
-        Ok(())
-    }
-
     /// The trees that stand, by ascending number.
     pub fn trees(&self) -> &[Tree] {
         &self.trees
@@ -425,51 +355,4 @@ impl<E: Environment> Forest<E> {
     pub fn skeletons(&self) -> Result<Vec<Skeleton>, ForestError> {
         parallel::map(self.trees.len(), |tree| self.skeleton(&self.trees[tree])).into_iter().collect()
     }
-}
-
-/// What each tree grows in.
-fn settings<'a, E>(
-    environment: &'a E,
-    room: &'a Room,
-    habits: &'a [Habit],
-    seed: u64,
-    season: u16,
-) -> impl Fn(&Tree) -> Setting<'a, E> {
-    move |tree| Setting { environment, room, habit: &habits[tree.habit as usize], seed, season }
-}
-
-/// Tells the environment, of so many nodes at once that the lists take little memory.
-fn tell(environment: &mut impl Environment, changes: Vec<Change>) {
-    let mut now = Change::default();
-    let mut update = |now: &mut Change, least: usize| {
-        if now.appeared.len() + now.fallen.len() >= least {
-            environment.update(&now.appeared, &now.fallen);
-            now.appeared.clear();
-            now.fallen.clear();
-        }
-    };
-    for change in changes {
-        now.appeared.extend(change.appeared);
-        now.fallen.extend(change.fallen);
-        update(&mut now, TOLD);
-    }
-    update(&mut now, 1);
-}
-
-fn check_limits(
-    season: u16,
-    trees: &[&mut Tree],
-    plans: &[Plan],
-    standing: u64,
-    limit: usize,
-) -> Result<(), ForestError> {
-    let metamers = plans.iter().fold(standing, |sum, plan| sum.saturating_add(plan.metamers));
-    if metamers > limit as u64 {
-        return Err(ForestError::Limit { season, metamers, limit });
-    }
-    let numbers = trees.iter().zip(plans).map(|(tree, plan)| u64::from(tree.next_number) + plan.metamers);
-    if numbers.max() > Some(u64::from(u32::MAX)) {
-        return Err(ForestError::Numbers { what: "the nodes of a tree", most: u32::MAX });
-    }
-    Ok(())
 }

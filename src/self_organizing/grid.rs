@@ -1,4 +1,5 @@
-//! The grid of [`ShadowPropagation`](super::ShadowPropagation): integers, so that what was added can be taken away.
+//! The grid of [`ShadowPropagation`](super::ShadowPropagation): integers, so that what was added can be taken away. It
+//! grows with what casts shadows.
 
 use crate::{math, parallel};
 use glam::IVec3;
@@ -9,8 +10,12 @@ const PARTS: [f32; 2] = [512.0, 729.0];
 /// The faintest shadow of a pyramid has so many parts if it can. Then the default's are 1.5^6 times as many, 729, and
 /// all its shadows whole.
 const FAINTEST: f32 = 64.0;
-/// As long as all sums of a layer are at most this it counts in 16 bits. One full shadow more still fits.
-const NARROW: u16 = u16::MAX - 729;
+/// As long as all sums of a layer are at most this it counts in 16 bits. Four full shadows more still fit, the most
+/// that a node casts.
+const NARROW: u16 = u16::MAX - 4 * 729;
+/// The most cells on an axis and in all.
+pub(super) const MOST_ON_AXIS: i32 = 65_000;
+pub(super) const MOST_CELLS: u64 = 1 << 29;
 /// Rows are added to a layer in such numbers.
 const BAND: usize = 32;
 /// Cells are added to in groups of so many, which processors do at once.
@@ -20,14 +25,19 @@ const LANES: usize = 8;
 type Group = [u16; LANES];
 
 /// Shadows by cell.
-#[derive(Debug, Clone, PartialEq, Default)]
+#[derive(Debug, Clone, Default)]
 pub(super) struct Grid {
+    /// The lowest cell.
+    low: IVec3,
     /// Cells on each axis; none before there are any nodes.
     size: IVec3,
     /// Cells added on each side in x and z, so that no pyramid sticks out.
     margin: usize,
     /// Cells from one row to the next.
     stride: usize,
+    /// How many parts a full shadow has.
+    parts: f32,
+    falloff: f32,
     /// What a row of the pyramid adds, by q, zeros at its end.
     powers: Vec<Vec<Group>>,
     /// From the ground up as far as nodes are.
@@ -52,14 +62,9 @@ enum Cells {
 /// The cell of a node that has appeared or fallen.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Caster {
+    /// From the lowest cell.
     cell: [u16; 3],
     falls: bool,
-}
-
-impl Caster {
-    pub(super) fn new(cell: IVec3, falls: bool) -> Self {
-        Self { cell: cell.to_array().map(|c| c as u16), falls }
-    }
 }
 
 impl Grid {
@@ -67,19 +72,70 @@ impl Grid {
     pub(super) fn new(size: IVec3, height: u32, falloff: f32) -> Self {
         let margin = height as usize;
         let parts = (FAINTEST * math::powf(falloff, height as f32)).round().clamp(PARTS[0], PARTS[1]);
+        let stride = size.x as usize + 2 * margin;
+        let low = IVec3::ZERO;
+        let mut grid =
+            Self { low, size, margin, stride, parts, falloff, powers: Vec::new(), layers: Vec::new() };
+        grid.powers = grid.powers_of(1.0, height);
+        grid
+    }
+
+    /// The rows of a pyramid that is so many times as dark as a full shadow.
+    fn powers_of(&self, shade: f32, height: u32) -> Vec<Vec<Group>> {
         let row = |q: u32| {
             let width = 2 * q as usize + 1;
-            let power = (parts * math::powf(falloff, -(q as f32)) + 0.5) as u16;
+            let power = (self.parts * shade * math::powf(self.falloff, -(q as f32)) + 0.5) as u16;
             let group = |x: usize| std::array::from_fn(|i| if x + i < width { power } else { 0 });
             (0..width).step_by(LANES).map(group).collect()
         };
-        Self {
-            size,
-            margin,
-            stride: size.x as usize + 2 * margin,
-            powers: (0..=height).map(row).collect(),
-            layers: Vec::new(),
+        (0..=height).map(row).collect()
+    }
+
+    /// The lowest cell, and one beyond the highest.
+    pub(super) fn range(&self) -> (IVec3, IVec3) {
+        (self.low, self.low + self.size)
+    }
+
+    /// Makes room for cells from `low` to `high`, with some to spare; false if that would be more than there can be.
+    pub(super) fn fit(&mut self, low: IVec3, high: IVec3) -> bool {
+        let (first, end) = self.range();
+        if low.cmpge(first).all() && high.cmplt(end).all() {
+            return true;
         }
+        let spare = self.size / 4 + 8;
+        let allowed = |low: IVec3, end: IVec3| {
+            let size = end - low;
+            size.max_element() <= MOST_ON_AXIS
+                && size.to_array().iter().map(|&cells| cells as u64).product::<u64>() <= MOST_CELLS
+        };
+        let choose = |spare: IVec3| {
+            let below = IVec3::select(low.cmplt(first), low - spare, first);
+            let above = IVec3::select(high.cmpge(end), high + 1 + spare, end);
+            (below, above)
+        };
+        let (mut below, mut above) = choose(spare);
+        if !allowed(below, above) {
+            (below, above) = choose(IVec3::ZERO);
+        }
+        if !allowed(below, above) {
+            return false;
+        }
+        let stride = (above.x - below.x) as usize + 2 * self.margin;
+        let (shift, aside) = ((first.z - below.z) as usize, (first.x - below.x) as usize);
+        if (stride, aside, shift) != (self.stride, 0, 0) {
+            for layer in &mut self.layers {
+                layer.widen(self.stride, stride, aside, shift);
+            }
+        }
+        let under = (first.y - below.y) as usize;
+        self.layers.splice(0..0, (0..under).map(|_| Layer::default()));
+        (self.low, self.size, self.stride) = (below, above - below, stride);
+        true
+    }
+
+    /// What casts from `cell`, which is in range.
+    pub(super) fn caster(&self, cell: IVec3, falls: bool) -> Caster {
+        Caster { cell: (cell - self.low).to_array().map(|c| c as u16), falls }
     }
 
     /// Whether it is still to be made.
@@ -97,7 +153,7 @@ impl Grid {
     #[inline]
     pub(super) fn at(&self, cell: IVec3) -> u32 {
         // Cells outside by less than the margin exist too, others wrap to far outside.
-        let margin = self.margin as i32;
+        let (margin, cell) = (self.margin as i32, cell - self.low);
         let (x, y, z) = ((cell.x + margin) as usize, cell.y as usize, (cell.z + margin) as usize);
         match self.layers.get(y) {
             Some(layer) if x < self.stride && layer.rows.contains(&z) => layer.at(z, x, self.stride),
@@ -105,8 +161,9 @@ impl Grid {
         }
     }
 
-    /// Adds the pyramids of all `casters`, or takes them away. Sums of integers do not depend on the order.
-    pub(super) fn cast(&mut self, casters: &[Caster]) {
+    /// Adds the pyramids of all `casters`, of this shade each, or takes them away. Sums of integers do not depend on
+    /// the order.
+    pub(super) fn cast(&mut self, casters: &[Caster], shade: f32) {
         let height = self.powers.len();
         let Some(top) = casters.iter().map(|caster| usize::from(caster.cell[1])).max() else { return };
         if self.layers.len() <= top {
@@ -133,7 +190,8 @@ impl Grid {
         // Layers next to each other are a task.
         let tasks = parallel::tasks();
         let share = shades.iter().map(|shade| shade.0).sum::<usize>() / tasks;
-        let (margin, stride, powers) = (self.margin, self.stride, &self.powers);
+        let other = (shade.to_bits() != 1f32.to_bits()).then(|| self.powers_of(shade, height as u32 - 1));
+        let (margin, stride, powers) = (self.margin, self.stride, other.as_ref().unwrap_or(&self.powers));
         let most = self.size.z as usize + 2 * margin;
         let mut rest = &mut self.layers[..=top];
         let mut parts = Vec::new();
@@ -176,7 +234,37 @@ impl Default for Cells {
     }
 }
 
+/// Grids are equal if their shadows are, whatever room they have.
+impl PartialEq for Grid {
+    fn eq(&self, other: &Self) -> bool {
+        let holds = |one: &Self, other: &Self| {
+            one.layers.iter().enumerate().all(|(y, layer)| {
+                layer.rows.clone().all(|z| {
+                    (0..one.stride).all(|x| {
+                        let at = IVec3::new(x as i32, y as i32, z as i32)
+                            - IVec3::new(one.margin as i32, 0, one.margin as i32);
+                        layer.at(z, x, one.stride) == other.at(at + one.low)
+                    })
+                })
+            })
+        };
+        holds(self, other) && holds(other, self)
+    }
+}
+
 impl Layer {
+    /// Gives each row `stride` cells, of which the old ones are those from `aside` on, and moves rows by `shift` in z.
+    fn widen(&mut self, old: usize, stride: usize, aside: usize, shift: usize) {
+        if self.rows.is_empty() {
+            return;
+        }
+        match &mut self.cells {
+            Cells::Narrow(cells) => *cells = widened(cells, old, stride, aside, self.rows.len()),
+            Cells::Wide(cells) => *cells = widened(cells, old, stride, aside, self.rows.len()),
+        }
+        self.rows = self.rows.start + shift..self.rows.end + shift;
+    }
+
     #[inline]
     fn at(&self, z: usize, x: usize, stride: usize) -> u32 {
         let place = (z - self.rows.start) * stride + x;
@@ -194,7 +282,8 @@ impl Layer {
         }
         let rows =
             if has.is_empty() { rows.clone() } else { rows.start.min(has.start)..rows.end.max(has.end) };
-        let rows = rows.start / BAND * BAND..(rows.end.div_ceil(BAND) * BAND).min(most);
+        // Bands are counted from where the grid began, so rows that were there before it grew may lie across.
+        let rows = rows.start / BAND * BAND..(rows.end.div_ceil(BAND) * BAND).min(most).max(rows.end);
         let (len, from) = (rows.len() * stride, has.start.saturating_sub(rows.start) * stride);
         match &mut self.cells {
             Cells::Narrow(cells) => *cells = moved(cells, len, from),
@@ -227,6 +316,15 @@ fn moved<T: Copy + Default>(cells: &[T], len: usize, from: usize) -> Vec<T> {
     let old = cells.len().saturating_sub(LANES);
     moved[from..from + old].copy_from_slice(&cells[..old]);
     moved
+}
+
+/// So many rows of `old` cells as rows of `stride`, the old cells from `aside` on.
+fn widened<T: Copy + Default>(cells: &[T], old: usize, stride: usize, aside: usize, rows: usize) -> Vec<T> {
+    let mut wide = vec![T::default(); rows * stride + LANES];
+    for (from, to) in cells.chunks_exact(old).zip(wide.chunks_exact_mut(stride)).take(rows) {
+        to[aside..aside + old].copy_from_slice(from);
+    }
+    wide
 }
 
 /// What cells count in.
@@ -348,8 +446,8 @@ mod tests {
         }
     }
 
-    fn casters(cells: &[IVec3], falls: bool) -> Vec<Caster> {
-        cells.iter().map(|&cell| Caster::new(cell, falls)).collect()
+    fn casters(grid: &Grid, cells: &[IVec3], falls: bool) -> Vec<Caster> {
+        cells.iter().map(|&cell| grid.caster(cell, falls)).collect()
     }
 
     proptest! {
@@ -369,10 +467,10 @@ mod tests {
             pool.install(|| {
                 let mut grid = Grid::new(SIZE, height, 1.3);
                 for some in cells.chunks(50) {
-                    grid.cast(&casters(some, false));
+                    grid.cast(&casters(&grid, some, false), 1.0);
                 }
                 assert_sums(&grid, &cells);
-                grid.cast(&casters(&cells[kept..], true));
+                grid.cast(&casters(&grid, &cells[kept..], true), 1.0);
                 assert_sums(&grid, &cells[..kept]);
             });
         }
@@ -382,16 +480,16 @@ mod tests {
     fn only_layers_in_deep_shade_are_wide() {
         let mut grid = Grid::new(SIZE, 2, 8.0);
         assert_eq!(grid.powers.iter().map(|row| row[0][0]).collect::<Vec<_>>(), [729, 91, 11]);
-        let node = casters(&[IVec3::new(5, 5, 30)], false);
+        let node = casters(&grid, &[IVec3::new(5, 5, 30)], false);
         let wide = |grid: &Grid| -> Vec<usize> {
             let layers = grid.layers.iter().enumerate();
             layers.filter(|(_, layer)| matches!(layer.cells, Cells::Wide(_))).map(|(y, _)| y).collect()
         };
         for nodes in 1..=1000 {
-            grid.cast(&node);
+            grid.cast(&node, 1.0);
             let expected: &[usize] = match nodes {
-                0..=88 => &[],
-                89..=712 => &[5],
+                0..=85 => &[],
+                86..=688 => &[5],
                 _ => &[4, 5],
             };
             assert_eq!(wide(&grid), expected, "{nodes} nodes");

@@ -1,6 +1,10 @@
 //! How a species grows: the parameters of vigor, shoots, shedding and width.
 
+use super::axis::Axis;
+use super::cut::Regrowth;
 use super::offspring::Offspring;
+use super::phyllotaxis::Phyllotaxis;
+use super::stature::Stature;
 use super::vigor::VigorModel;
 use crate::ParameterError;
 use crate::math::UP;
@@ -20,7 +24,11 @@ use glam::Vec3;
 /// assert!(spruce.with_length(f32::NAN).check().is_err());
 /// ```
 #[derive(Debug, Clone, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(default, deny_unknown_fields)
+)]
 pub struct Habit {
     pub(super) vigor_model: VigorModel,
     pub(super) vigor_multiplier: f32,
@@ -35,21 +43,11 @@ pub struct Habit {
     pub(super) offspring: Option<Offspring>,
     pub(super) width_exponent: f32,
     pub(super) tip_radius: f32,
-}
-
-/// In which direction lateral buds point.
-#[derive(Debug, Clone, Copy, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
-#[non_exhaustive]
-pub enum Phyllotaxis {
-    /// Anywhere within the lateral angle of the metamer's direction, each direction as likely: the original's.
-    Scattered,
-    /// At the lateral angle, each bud so many radians further around the axis than the one before: π for leaves
-    /// in two rows, 2.4 (137.5°) for the golden angle.
-    Spiral {
-        /// The angle from one bud to the next, radians, finite.
-        divergence: f32,
-    },
+    pub(super) shade: Option<f32>,
+    pub(super) shade_tolerance: f32,
+    pub(super) regrowth: Option<Regrowth>,
+    pub(super) stature: Option<Stature>,
+    pub(super) axes: Vec<Axis>,
 }
 
 /// When a tree gives up a branch: once its vigor falls below `multiplier · (child count^(1/n))^exponent`, the
@@ -92,7 +90,7 @@ impl Shedding {
 impl Default for Habit {
     /// The original's: extended Borchert-Honda with apical control 0.5, vigor multiplier 2, metamers of 0.02 m,
     /// lateral buds scattered within 45°, weights 1 (default), 0.1 (optimal) and 0 (its tropism is off), its
-    /// shedding, no offspring, width exponent 2.5, tips of 0.5 mm.
+    /// shedding, no offspring, width exponent 2.5, tips of 0.5 mm. Ours: regrowth at cuts, no stature, all axes alike.
     fn default() -> Self {
         Self {
             vigor_model: VigorModel::default(),
@@ -108,6 +106,11 @@ impl Default for Habit {
             offspring: None,
             width_exponent: 2.5,
             tip_radius: 0.0005,
+            shade: None,
+            shade_tolerance: 1.0,
+            regrowth: Some(Regrowth::default()),
+            stature: None,
+            axes: Vec::new(),
         }
     }
 }
@@ -188,6 +191,64 @@ impl Habit {
         self
     }
 
+    /// Sets how much shade each metamer casts, as a multiple of the environment's strength, in [0, 4]. `None`, the
+    /// default: in proportion to its length over the width of a cell, at most 1, so that species of short metamers
+    /// do not stand in their own light, and divided among the nodes of a whorl.
+    pub fn with_shade(mut self, shade: impl Into<Option<f32>>) -> Self {
+        self.shade = shade.into();
+        self
+    }
+
+    /// Sets the shade tolerance, in [1e-3, 1e3]; 1 by default. Shadows count for so many times less: with 2 a tree
+    /// grows in twice the shade.
+    pub fn with_shade_tolerance(mut self, tolerance: f32) -> Self {
+        self.shade_tolerance = tolerance;
+        self
+    }
+
+    /// Sets what sprouts near a cut; `None` for no more than the bud that takes the place of what was cut.
+    pub fn with_regrowth(mut self, regrowth: impl Into<Option<Regrowth>>) -> Self {
+        self.regrowth = regrowth.into();
+        self
+    }
+
+    /// Sets how high the tree grows in the course of its life; `None`, the default, for no limit.
+    pub fn with_stature(mut self, stature: impl Into<Option<Stature>>) -> Self {
+        self.stature = stature.into();
+        self
+    }
+
+    /// Sets the architecture by branch order: that of the trunk first, then that of branches of order 1, and so on. The
+    /// last holds for all higher orders. None by default: all axes are alike, with the habit's own parameters.
+    ///
+    /// ```
+    /// use treesynth::self_organizing::{Axis, Habit};
+    ///
+    /// // Level limbs on an upright trunk.
+    /// let limbs = Axis::default().with_angle(1.2).with_level_weight(0.3).with_optimal_weight(0.02);
+    /// let spruce = Habit::default().with_axes([Axis::default(), limbs]);
+    /// assert!(spruce.check().is_ok());
+    /// ```
+    pub fn with_axes(mut self, axes: impl IntoIterator<Item = Axis>) -> Self {
+        self.axes = axes.into_iter().collect();
+        self
+    }
+
+    /// The length of a metamer, metres.
+    pub fn length(&self) -> f32 {
+        self.length
+    }
+
+    /// What [`with_shade`](Self::with_shade) has set.
+    pub fn shade(&self) -> Option<f32> {
+        self.shade
+    }
+
+    /// What [`with_shade_tolerance`](Self::with_shade_tolerance) has set.
+    pub fn shade_tolerance(&self) -> f32 {
+        self.shade_tolerance
+    }
+
     /// Whether all parameters are in range.
     ///
     /// # Errors
@@ -197,9 +258,7 @@ impl Habit {
         within("Habit.vigor_multiplier", self.vigor_multiplier, 0.0, 1e6)?;
         within("Habit.length", self.length, 1e-6, 1e3)?;
         within("Habit.lateral_angle", self.lateral_angle, 0.0, std::f32::consts::PI)?;
-        if let Phyllotaxis::Spiral { divergence } = self.phyllotaxis {
-            within("Phyllotaxis::Spiral.divergence", divergence, -1e3, 1e3)?;
-        }
+        self.phyllotaxis.check()?;
         within("Habit.default_weight", self.default_weight, 0.0, 1e3)?;
         within("Habit.optimal_weight", self.optimal_weight, -1e3, 1e3)?;
         let length = self.tropism.length();
@@ -214,14 +273,39 @@ impl Habit {
         }
         let n = self.width_exponent;
         ParameterError::unless(n > 1.0 && n <= 10.0, "Habit.width_exponent", n, "above 1, at most 10")?;
-        within("Habit.tip_radius", self.tip_radius, 0.0, 1e3)
+        within("Habit.tip_radius", self.tip_radius, 0.0, 1e3)?;
+        within("Habit.shade", self.shade.unwrap_or_default(), 0.0, 4.0)?;
+        within("Habit.shade_tolerance", self.shade_tolerance, 1e-3, 1e3)?;
+        self.regrowth.map_or(Ok(()), Regrowth::check)?;
+        self.stature.map_or(Ok(()), Stature::check)?;
+        self.axes.iter().try_for_each(Axis::check)
     }
 
-    /// The direction after `direction`, one metamer on.
-    pub(super) fn turned(&self, direction: Vec3, optimal: Vec3) -> Vec3 {
+    /// What is special about axes of `order`.
+    #[inline]
+    pub(super) fn axis(&self, order: u8) -> Option<&Axis> {
+        self.axes.get(usize::from(order)).or(self.axes.last())
+    }
+
+    /// The angle between branches of `order` and their parent branch, radians.
+    pub(super) fn angle_of(&self, order: u8) -> f32 {
+        self.axis(order).and_then(|axis| axis.angle).unwrap_or(self.lateral_angle)
+    }
+
+    /// The direction after `direction`, one metamer on, of an axis of `order`.
+    pub(super) fn turned(&self, direction: Vec3, optimal: Vec3, order: u8) -> Vec3 {
+        let Some(axis) = self.axis(order) else {
+            let wanted = direction * self.default_weight
+                + optimal * self.optimal_weight
+                + self.tropism * self.tropism_weight;
+            return wanted.normalize_or(direction);
+        };
+        let level = direction.with_y(0.0).normalize_or_zero();
         let wanted = direction * self.default_weight
-            + optimal * self.optimal_weight
-            + self.tropism * self.tropism_weight;
+            + optimal * axis.optimal_weight.unwrap_or(self.optimal_weight)
+            + self.tropism * axis.tropism_weight.unwrap_or(self.tropism_weight)
+            + level * axis.level_weight
+            + UP * axis.up_weight;
         wanted.normalize_or(direction)
     }
 }

@@ -11,30 +11,45 @@
 //!
 //! [`SelfOrganizing`] grows one tree, [`Forest`] many that share an environment.
 
+mod axis;
 mod colonization;
+mod cut;
 mod environment;
 mod forest;
+mod garden;
 mod grid;
 mod habit;
 mod offspring;
+mod pass;
+mod phyllotaxis;
+mod region;
 mod room;
 #[cfg(feature = "serde")]
 mod saved;
+mod season;
 mod shadow;
 mod single;
+mod sky;
+mod stature;
+mod terrain;
 #[cfg(test)]
 mod tests;
 mod tree;
 mod vigor;
 mod width;
 
+pub use axis::Axis;
 pub use colonization::SpaceColonization;
+pub use cut::Regrowth;
 pub use environment::{Bud, Environment};
 pub use forest::{Forest, ForestError};
-pub use habit::{Habit, Phyllotaxis, Shedding};
+pub use habit::{Habit, Shedding};
 pub use offspring::Offspring;
+pub use phyllotaxis::Phyllotaxis;
 pub use shadow::ShadowPropagation;
 pub use single::SelfOrganizing;
-pub use tree::{Site, Tree};
+pub use stature::Stature;
+pub use terrain::{Heightmap, Terrain};
+pub use tree::{NodeId, Site, Tree};
 pub use vigor::VigorModel;
 pub use width::Width;

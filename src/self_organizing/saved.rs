@@ -1,10 +1,12 @@
 //! Forests read back from files: nothing is believed that could not have grown.
 
+use super::cut::Release;
 use super::environment::Environment;
-use super::forest::{Forest, TURNS};
+use super::forest::Forest;
 use super::habit::Habit;
-use super::room::Room;
-use super::tree::{BUD, DEAD, Node, Tree};
+use super::pass::TURNS;
+use super::room::{Marks, Room};
+use super::tree::{DEAD, FLOWER, Node, Tree, is_node};
 use crate::ParameterError;
 use crate::shape::LARGEST;
 use glam::Vec3;
@@ -25,6 +27,14 @@ pub(super) struct Saved<E> {
     /// Files from before there were parts do not have it.
     #[serde(default = "one")]
     parts: u32,
+    /// Files from before shapes were marked do not have it.
+    #[serde(default)]
+    room: Marks,
+}
+
+/// Writes what tells a room from others.
+pub(super) fn write_room<S: serde::Serializer>(room: &Room, serializer: S) -> Result<S::Ok, S::Error> {
+    serde::Serialize::serialize(&room.marks(), serializer)
 }
 
 fn one() -> u32 {
@@ -46,9 +56,19 @@ impl<E: Environment> TryFrom<Saved<E>> for Forest<E> {
             most_metamers,
             most_trees,
             parts,
+            room,
         } = saved;
         ParameterError::unless(!habits.is_empty(), "habits", 0, "at least 1")?;
-        ParameterError::unless(turn < TURNS, "turn", turn, "below 4")?;
+        let turns = if environment.surveys() { 1 } else { TURNS };
+        ParameterError::unless(turn < turns, "turn", turn, "below the turns of a season")?;
+        ParameterError::unless(
+            season < u16::MAX || turn == 0,
+            "season",
+            season,
+            "below 65535 in mid-season",
+        )?;
+        // Shapes are checked for once growth goes on.
+        let wanted = room;
         let room = Room::default();
         let mut forest = Self {
             environment,
@@ -62,20 +82,33 @@ impl<E: Environment> TryFrom<Saved<E>> for Forest<E> {
             most_metamers,
             most_trees,
             parts,
+            told: Vec::new(),
         };
         forest.check()?;
+        forest.room.wanted = wanted;
+        // In mid-season the trees of the turns that are over are in the next one already.
+        let now = season + u16::from(turn > 0);
         let mut last = None;
         for tree in &forest.trees {
             let (number, habit) = (tree.number(), tree.habit());
             let holds = Some(number) > last && number < next_tree;
             ParameterError::unless(holds, "number", number, "ascending, below next_tree")?;
             ParameterError::unless(habit < forest.habits.len(), "habit", habit, "the number of a species")?;
+            let most = if number % turns < turn { now } else { season };
             let born = tree.nodes.iter().map(|node| node.born).max().unwrap_or_default();
-            ParameterError::unless(born <= season, "born", born, "at most the season")?;
+            ParameterError::unless(born <= most, "born", born, "at most the season")?;
+            let bare = tree.bare_since;
+            ParameterError::unless(bare <= most, "bare_since", bare, "at most the season")?;
+            let outside = tree.positions().find(|&node| !forest.environment.contains(node));
+            ParameterError::unless(outside.is_none(), "position", outside, "inside of the environment")?;
             last = Some(number);
         }
-        let standing: Vec<Vec3> = forest.trees.iter().flat_map(Tree::positions).collect();
-        forest.environment.update(&standing, &[]);
+        forest.tell_shades();
+        for habit in 0..forest.habits.len() {
+            let of_it = forest.trees.iter().filter(|tree| tree.habit() == habit);
+            let standing: Vec<Vec3> = of_it.flat_map(Tree::positions).collect();
+            forest.environment.update_shaded(forest.told[habit], &standing, &[]);
+        }
         Ok(forest)
     }
 }
@@ -90,13 +123,17 @@ pub(super) struct SavedTree {
     generation: u16,
     next_number: u32,
     vigor: f32,
+    /// Files from before there was regrowth do not have these.
+    bare_since: Option<u16>,
+    #[serde(default)]
+    releases: Vec<Release>,
 }
 
 impl TryFrom<SavedTree> for Tree {
     type Error = ParameterError;
 
     fn try_from(saved: SavedTree) -> Result<Self, ParameterError> {
-        let SavedTree { nodes, number, habit, generation, next_number, vigor } = saved;
+        let SavedTree { nodes, number, habit, generation, next_number, vigor, bare_since, releases } = saved;
         ParameterError::unless(!nodes.is_empty(), "nodes", 0, "at least 1")?;
         let mut borne = 0;
         for (i, node) in nodes.iter().enumerate() {
@@ -110,16 +147,36 @@ impl TryFrom<SavedTree> for Tree {
                 parent < i && nodes[parent].children.contains(&(i as u32))
             };
             ParameterError::unless(holds, "parent", parent, "before the node, and the one that bears it")?;
-            for child in node.children.into_iter().filter(|&child| child != BUD && child != DEAD) {
+            let [main, lateral] = node.children;
+            ParameterError::unless(lateral != FLOWER, "children", lateral, "a flower on main axes only")?;
+            for child in [main, lateral].into_iter().filter(|&child| is_node(child)) {
                 let borne_here = nodes.get(child as usize).is_some_and(|child| child.parent as usize == i);
                 let holds = child as usize > i && borne_here;
                 ParameterError::unless(holds, "children", child, "a later node that names this its parent")?;
                 borne += 1;
             }
             ParameterError::unless(node.number < next_number, "number", node.number, "below next_number")?;
+            let bearer = &nodes[parent];
+            let holds = i == 0 || bearer.number < node.number && nodes[i - 1].number < node.number;
+            ParameterError::unless(holds, "number", node.number, "above that of the node before")?;
+            // No branch is wider than what bears it, and none has more to pay for than its width.
+            let holds = (1..=node.count).contains(&node.load)
+                && (i == 0 || node.count <= bearer.count && node.load <= bearer.load);
+            ParameterError::unless(holds, "count", node.count, "at least its load, at most its parent's")?;
+            let holds = i == 0 || bearer.born <= node.born;
+            ParameterError::unless(holds, "born", node.born, "not before its parent")?;
         }
+        ParameterError::unless(vigor >= 0.0 && vigor.is_finite(), "vigor", vigor, "finite, at least 0")?;
         let others = nodes.len() - 1;
         ParameterError::unless(borne == others, "children", borne, "one mention of each node but the foot")?;
-        Ok(Self { nodes, number, habit, generation, next_number, vigor })
+        for release in &releases {
+            let (vigor, since) = (release.vigor, release.since);
+            ParameterError::unless(since < u16::MAX, "releases", since, "a season below 65535")?;
+            ParameterError::unless((0.0..=1e3).contains(&vigor), "releases", vigor, "a vigor in [0, 1000]")?;
+        }
+        let bare_since = bare_since.unwrap_or(nodes[0].born);
+        let mut tree = Self { nodes, number, habit, generation, next_number, vigor, bare_since, releases };
+        tree.number_orders();
+        Ok(tree)
     }
 }

@@ -1,17 +1,22 @@
 //! Shadow propagation: each node casts a pyramid of shadow onto the cells below it.
 
 use super::environment::{Bud, Environment};
-use super::grid::{Caster, Grid};
-use super::habit::within;
+use super::grid::{Caster, Grid, MOST_CELLS, MOST_ON_AXIS};
+use super::habit::{Habit, within};
+use super::sky::Sky;
+use super::terrain::{Below, Terrain};
 use crate::math::UP;
-use crate::shape::Bounds;
+use crate::shape::{Bounds, Shape};
 use crate::{ParameterError, parallel};
 use glam::{IVec3, Vec3};
+use std::sync::Arc;
 
+/// How many times as much the optimal direction weighs where nothing is seen of the sky.
+const URGE: f32 = 4.0;
+/// Cells farther away than so many are all as far.
+const FARTHEST: f32 = 1e9;
 /// So many nodes are given their cells at once.
 const PART: usize = 1024;
-/// The most cells of a grid.
-const MOST_CELLS: u64 = 1 << 29;
 
 /// Light from above that fades below every node: step 1 of the text, first method.
 ///
@@ -19,6 +24,18 @@ const MOST_CELLS: u64 = 1 << 29;
 /// 2q + 1 cells, by `a · b^-q`, for q from 0 to a greatest height. Shadows add up to s, and a bud gets
 /// `max(C - s + a, 0)`, where C is the full exposure and a its own shadow. The optimal direction is against the
 /// gradient of s, by central differences; up where that is zero.
+///
+/// The grid begins as a box and grows with the trees, to all sides and upwards; the bottom of the box is the ground,
+/// unless the forest has a terrain. Once trees stand where no grid can reach, growth ends with an error.
+///
+/// A species of short metamers casts less shade with each of them ([`Habit::with_shade`]), and shadows count less for
+/// one of more shade tolerance.
+///
+/// Obstacles and terrain hide parts of the sky. Under them C is multiplied by the [openness](Self::openness): the root of
+/// the part of the sky's light that still comes, added up over 17 directions, for leaves make the most of little light;
+/// and at least by what is scattered ([`with_scattered`](Self::with_scattered)). The less there is, the more the
+/// optimal direction turns to where it comes from, and the more it weighs, up to four times. That field covers the box and the obstacles around it, in about 2¹⁸
+/// cells at most, and is worked out once when obstacles are added.
 ///
 /// The powers are rounded to whole parts of a, so that sums are exact whatever their order: the grid after any
 /// growth, shedding and cutting is to the bit the one of the nodes that stand. The parts are 512 to 729, so that the
@@ -40,7 +57,8 @@ const MOST_CELLS: u64 = 1 << 29;
 /// // Two cells down, three to the side: outside of the pyramid.
 /// assert_eq!(light.shadow(Vec3::new(0.07, 0.97, 0.01)), 0.0);
 /// ```
-#[derive(Debug, Clone, PartialEq)]
+/// Two are equal if their options, their shadows and what they see of the sky are.
+#[derive(Debug, Clone)]
 #[cfg_attr(
     feature = "serde",
     derive(serde::Serialize, serde::Deserialize),
@@ -49,6 +67,27 @@ const MOST_CELLS: u64 = 1 << 29;
 pub struct ShadowPropagation {
     options: Options,
     grid: Grid,
+    /// What obstacles leave of the sky, if there are any.
+    sky: Option<Sky>,
+    /// What hides the sky from now on, until the field is worked out.
+    pending: Option<Hiding>,
+    /// Whether a terrain is the ground instead of the bottom of the box.
+    has_terrain: bool,
+    /// How many nodes stand where no grid can reach.
+    lost: u64,
+}
+
+/// What hides the sky.
+#[derive(Clone)]
+struct Hiding {
+    obstacles: Vec<Arc<dyn Shape>>,
+    terrain: Option<Arc<dyn Terrain>>,
+}
+
+impl std::fmt::Debug for Hiding {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("Hiding").field("obstacles", &self.obstacles.len()).finish_non_exhaustive()
+    }
 }
 
 /// What the user sets.
@@ -63,6 +102,14 @@ struct Options {
     strength: f32,
     falloff: f32,
     darkest: Option<f32>,
+    /// Files from before obstacles cast shade do not have it.
+    #[cfg_attr(feature = "serde", serde(default = "scattered"))]
+    scattered: f32,
+}
+
+/// The default of [`ShadowPropagation::with_scattered`].
+fn scattered() -> f32 {
+    0.25
 }
 
 impl Default for ShadowPropagation {
@@ -74,7 +121,8 @@ impl Default for ShadowPropagation {
 }
 
 impl ShadowPropagation {
-    /// Light in `bounds`, metres, in which all nodes must lie; at most 65,000 cells on an axis and 2²⁹ in all.
+    /// Light in and around `bounds`, metres: the box in which the grid begins, its bottom the ground. At most 65,000
+    /// cells on an axis and 2²⁹ in all, with what it grows by.
     pub fn new(bounds: Bounds) -> Self {
         let options = Options {
             min: bounds.min,
@@ -85,8 +133,13 @@ impl ShadowPropagation {
             strength: 0.8,
             falloff: 1.5,
             darkest: None,
+            scattered: scattered(),
         };
-        Self { options, grid: Grid::default() }
+        Self::of(options)
+    }
+
+    fn of(options: Options) -> Self {
+        Self { options, grid: Grid::default(), sky: None, pending: None, has_terrain: false, lost: 0 }
     }
 
     /// Sets the size of a cell, metres, in [1e-6, 1e6]; 0.02 by default, the length of a metamer.
@@ -126,9 +179,21 @@ impl ShadowPropagation {
         self
     }
 
-    /// The shadow s at `point`; 0 outside of the bounds.
+    /// Sets the least part of C that comes to any place, however hidden by obstacles, in [0, 1]; 0.25 by default.
+    pub fn with_scattered(mut self, part: f32) -> Self {
+        self.options.scattered = part;
+        self
+    }
+
+    /// The shadow s at `point`; 0 where there is none.
     pub fn shadow(&self, point: Vec3) -> f32 {
-        self.cell(point).map_or(0.0, |cell| self.value(cell))
+        self.value(self.cell(point))
+    }
+
+    /// The part of C that obstacles and terrain leave at `point`, in [0, 1]; 1 where nothing stands in the way.
+    pub fn openness(&self, point: Vec3) -> f32 {
+        let scattered = self.options.scattered;
+        self.sky.as_ref().map_or(1.0, |sky| scattered + (1.0 - scattered) * sky.at(point).0.sqrt())
     }
 
     fn reset(mut self) -> Self {
@@ -141,44 +206,144 @@ impl ShadowPropagation {
         self.options.darkest.map_or(shadow, |darkest| shadow.min(darkest))
     }
 
-    /// The cell of `point`, if it is in the box.
-    fn cell(&self, point: Vec3) -> Option<IVec3> {
-        let Options { min, max, cell, .. } = self.options;
-        let inside = point.cmpge(min).all() && point.cmplt(max).all();
-        inside.then(|| ((point - min) / cell).as_ivec3())
-    }
-}
-
-impl Environment for ShadowPropagation {
-    fn light(&self, bud: &Bud<'_>) -> f32 {
-        let own = self.options.strength;
-        (self.options.full_exposure - self.shadow(bud.position()) + own).max(0.0)
+    /// The cell of `point`, from the lowest corner of the box.
+    #[inline]
+    fn cell(&self, point: Vec3) -> IVec3 {
+        let Options { min, cell, .. } = self.options;
+        let place = ((point - min) / cell).clamp(Vec3::splat(-FARTHEST), Vec3::splat(FARTHEST));
+        let cut = place.as_ivec3();
+        // As `floor`, which is a call on processors without SSE 4.1.
+        cut - IVec3::select(place.cmplt(cut.as_vec3()), IVec3::ONE, IVec3::ZERO)
     }
 
-    fn direction(&self, bud: &Bud<'_>) -> Vec3 {
-        let Some(cell) = self.cell(bud.position()) else { return UP };
-        let falls = |axis: IVec3| self.value(cell - axis) - self.value(cell + axis);
-        // There is nothing below the ground to compare with.
-        let up =
-            if cell.y > 0 { falls(IVec3::Y) } else { 2.0 * (self.value(cell) - self.value(cell + IVec3::Y)) };
-        Vec3::new(falls(IVec3::X), up, falls(IVec3::Z)).normalize_or(UP)
-    }
-
-    fn update(&mut self, appeared: &[Vec3], fallen: &[Vec3]) {
+    fn build(&mut self) {
         if self.grid.is_empty() {
             let Options { min, max, cell, height, falloff, .. } = self.options;
             let size = ((max - min) / cell).ceil().as_ivec3().max(IVec3::ONE);
             self.grid = Grid::new(size, height, falloff);
         }
-        let casters = |points: &[Vec3], falls: bool| {
-            let of = |part: &[Vec3]| -> Vec<Caster> {
-                part.iter().filter_map(|&point| Some(Caster::new(self.cell(point)?, falls))).collect()
-            };
-            let parts: Vec<&[Vec3]> = points.chunks(PART).collect();
-            parallel::map(parts.len(), |part| of(parts[part])).concat()
+    }
+
+    /// What can be seen of the sky; `None` if nothing hides it, or if what does cannot be, which is refused elsewhere.
+    fn sky_behind(&self, hiding: &Hiding) -> Option<Sky> {
+        let Hiding { obstacles, terrain } = hiding;
+        let Options { min, max, cell, .. } = self.options;
+        let mut all = obstacles.clone();
+        all.extend(terrain.iter().map(|terrain| Arc::new(Below(terrain.clone())) as Arc<dyn Shape>));
+        if all.is_empty() || self.check().is_err() || all.iter().any(|shape| shape.check().is_err()) {
+            return None;
+        }
+        let width = (max - min).max_element();
+        // Roofs above the box hide the sky too.
+        let top = obstacles.iter().map(|shape| shape.bounds().max.y).fold(max.y, f32::max);
+        let mut bounds = Bounds::new(min, max.with_y(top.min(max.y + width) + cell));
+        // And so do those beside it.
+        for shape in obstacles.iter().map(Shape::bounds).filter(|shape| !shape.is_empty()) {
+            let (low, high) = (shape.min.max(min - width), shape.max.min(max + width));
+            bounds.min = bounds.min.min(low.with_y(min.y));
+            bounds.max = bounds.max.max(high.with_y(max.y));
+        }
+        if let Some(terrain) = terrain {
+            // Hills rise around what grows on them, and valleys lie below.
+            let ends = [min.x, max.x].into_iter().flat_map(|x| [(x, min.z), (x, max.z)]);
+            for height in ends.map(|(x, z)| terrain.height(x, z)).filter(|height| height.abs() < width) {
+                bounds.min.y = bounds.min.y.min(min.y + height);
+                bounds.max.y = bounds.max.y.max(max.y + height);
+            }
+        }
+        Some(Sky::new(bounds, cell, &all))
+    }
+
+    /// Makes room for nodes in all these places, if there can be.
+    fn fit(&mut self, points: &[Vec3]) {
+        let bounds = Bounds::of(points.iter().copied());
+        if bounds.is_empty() {
+            return;
+        }
+        let (mut low, high) = (self.cell(bounds.min), self.cell(bounds.max));
+        // Whole pyramids, lest layers that come later lack what has fallen there; nothing is below the ground.
+        if self.has_terrain {
+            low.y -= self.options.height as i32 + 1;
+        } else {
+            low.y = low.y.max(0);
+        }
+        if !self.grid.fit(low, high) {
+            // Not all: those that fit.
+            for &point in points {
+                let mut low = self.cell(point);
+                let high = low;
+                low.y -= if self.has_terrain { self.options.height as i32 + 1 } else { 0 };
+                self.grid.fit(low, high);
+            }
+        }
+    }
+
+    /// The casters at points, without those where no grid can reach, and how many those are.
+    fn casters(&self, points: &[Vec3], falls: bool) -> (Vec<Caster>, u64) {
+        let (low, end) = self.grid.range();
+        let of = |part: &[Vec3]| -> Vec<Caster> {
+            let cells = part.iter().map(|&point| self.cell(point));
+            let inside = cells.filter(|cell| cell.cmpge(low).all() && cell.cmplt(end).all());
+            inside.map(|cell| self.grid.caster(cell, falls)).collect()
         };
-        let casters = [casters(appeared, false), casters(fallen, true)].concat();
-        self.grid.cast(&casters);
+        let parts: Vec<&[Vec3]> = points.chunks(PART).collect();
+        let casters = parallel::map(parts.len(), |part| of(parts[part])).concat();
+        let lost = (points.len() - casters.len()) as u64;
+        (casters, lost)
+    }
+}
+
+impl Environment for ShadowPropagation {
+    fn light(&self, bud: &Bud<'_>) -> f32 {
+        let point = bud.position();
+        let own = self.options.strength * self.shade_of(bud.habit);
+        let full = self.options.full_exposure;
+        let full = if self.sky.is_none() { full } else { full * self.openness(point) };
+        let tolerance = bud.habit.shade_tolerance;
+        (full - self.shadow(point) / tolerance + own / tolerance).max(0.0)
+    }
+
+    fn direction(&self, bud: &Bud<'_>) -> Vec3 {
+        let cell = self.cell(bud.position());
+        let falls = |axis: IVec3| self.value(cell - axis) - self.value(cell + axis);
+        // There is nothing below the ground to compare with.
+        let up = if cell.y > 0 || self.has_terrain {
+            falls(IVec3::Y)
+        } else {
+            2.0 * (self.value(cell) - self.value(cell + IVec3::Y))
+        };
+        let from_shadows = Vec3::new(falls(IVec3::X), up, falls(IVec3::Z)).normalize_or(UP);
+        let Some(sky) = &self.sky else { return from_shadows };
+        let (open, toward) = sky.at(bud.position());
+        let optimal = from_shadows * open + toward.normalize_or(UP) * (1.0 - open);
+        optimal.normalize_or(UP) * (1.0 + (URGE - 1.0) * (1.0 - open))
+    }
+
+    fn shade_of(&self, habit: &Habit) -> f32 {
+        // The nodes of a whorl share the shade of their metamer.
+        let own =
+            |habit: &Habit| (habit.length / self.options.cell).min(1.0) / habit.phyllotaxis.nodes() as f32;
+        habit.shade.unwrap_or_else(|| own(habit))
+    }
+
+    fn update(&mut self, appeared: &[Vec3], fallen: &[Vec3]) {
+        self.update_shaded(1.0, appeared, fallen);
+    }
+
+    fn update_shaded(&mut self, shade: f32, appeared: &[Vec3], fallen: &[Vec3]) {
+        self.build();
+        if let Some(hiding) = self.pending.take() {
+            self.sky = self.sky_behind(&hiding);
+        }
+        self.fit(appeared);
+        let ((casters, lost), (falling, found)) = (self.casters(appeared, false), self.casters(fallen, true));
+        self.lost = (self.lost + lost).saturating_sub(found);
+        self.grid.cast(&[casters, falling].concat(), shade);
+    }
+
+    fn obstruct(&mut self, obstacles: &[Arc<dyn Shape>], terrain: Option<&Arc<dyn Terrain>>) {
+        self.has_terrain = terrain.is_some();
+        self.pending = Some(Hiding { obstacles: obstacles.to_vec(), terrain: terrain.cloned() });
     }
 
     fn is_positional(&self) -> bool {
@@ -186,18 +351,19 @@ impl Environment for ShadowPropagation {
     }
 
     fn contains(&self, point: Vec3) -> bool {
-        self.cell(point).is_some()
+        point.is_finite() && (self.has_terrain || point.y >= self.options.min.y)
     }
 
     fn check(&self) -> Result<(), ParameterError> {
-        let Options { min, max, cell, full_exposure, height, strength, falloff, darkest } = self.options;
+        let Options { min, max, cell, full_exposure, height, strength, falloff, darkest, scattered } =
+            self.options;
         within("ShadowPropagation.cell", cell, 1e-6, 1e6)?;
         let bounds = Bounds::new(min, max);
         let cells = bounds.size() / cell;
         let holds = !bounds.is_empty()
             && min.abs().max(max.abs()).max_element() <= 1e6
             && cells.min_element() >= 1.0
-            && cells.max_element() <= 65_000.0
+            && cells.max_element() <= MOST_ON_AXIS as f32
             && cells.as_dvec3().element_product() <= MOST_CELLS as f64;
         ParameterError::unless(
             holds,
@@ -205,11 +371,21 @@ impl Environment for ShadowPropagation {
             bounds,
             "within a million metres, 1 to 65000 cells on each axis, at most 2^29 cells",
         )?;
+        let (range, lost) =
+            ("such that all trees stand within 65000 cells on each axis and 2^29 in all", self.lost);
+        ParameterError::unless(lost == 0, "ShadowPropagation.bounds", bounds, range)?;
+        within("ShadowPropagation.scattered", scattered, 0.0, 1.0)?;
         within("ShadowPropagation.full_exposure", full_exposure, 0.0, 1e6)?;
         ParameterError::unless(height <= 32, "ShadowPropagation.height", height, "at most 32 cells")?;
         within("ShadowPropagation.strength", strength, 0.0, 1e3)?;
         within("ShadowPropagation.falloff", falloff, 1.0, 1e3)?;
         darkest.map_or(Ok(()), |darkest| within("ShadowPropagation.darkest", darkest, 0.0, 1e6))
+    }
+}
+
+impl PartialEq for ShadowPropagation {
+    fn eq(&self, other: &Self) -> bool {
+        self.options == other.options && self.sky == other.sky && self.grid == other.grid
     }
 }
 
@@ -225,7 +401,7 @@ impl TryFrom<Options> for ShadowPropagation {
     type Error = ParameterError;
 
     fn try_from(options: Options) -> Result<Self, ParameterError> {
-        let shadows = Self { options, grid: Grid::default() };
+        let shadows = Self::of(options);
         shadows.check().map(|()| shadows)
     }
 }

@@ -4,14 +4,15 @@ use super::environment::Environment;
 use super::forest::{Forest, ForestError};
 use super::habit::Habit;
 use super::shadow::ShadowPropagation;
-use super::tree::Tree;
+use super::terrain::Terrain;
+use super::tree::{NodeId, Tree};
 use crate::ParameterError;
 use crate::observer::{Observer, Silent};
 use crate::shape::Shape;
 use crate::skeleton::Skeleton;
 use glam::Vec3;
 
-/// One tree that grows season by season: a [`Forest`] of one, at the origin.
+/// One tree that grows season by season: a [`Forest`] of one, at the origin. Its seeds do not sprout.
 ///
 /// ```
 /// use treesynth::Metrics;
@@ -35,7 +36,7 @@ pub struct SelfOrganizing<E: Environment = ShadowPropagation> {
 impl<E: Environment> SelfOrganizing<E> {
     /// A bud at the origin.
     pub fn new(environment: E, habit: Habit, seed: u64) -> Self {
-        Self { forest: Forest::new(environment, habit, seed) }
+        Self { forest: Forest::new(environment, habit, seed).with_most_trees(1) }
     }
 
     /// Nodes stay inside of `shape` from now on, as well as inside of envelopes added before.
@@ -47,6 +48,12 @@ impl<E: Environment> SelfOrganizing<E> {
     /// Nodes stay outside of `shape` from now on; see [`Forest::with_obstacle`].
     pub fn with_obstacle(mut self, shape: impl Shape + 'static) -> Self {
         self.forest = self.forest.with_obstacle(shape);
+        self
+    }
+
+    /// Sets the ground; see [`Forest::with_terrain`].
+    pub fn with_terrain(mut self, terrain: impl Terrain + 'static) -> Self {
+        self.forest = self.forest.with_terrain(terrain);
         self
     }
 
@@ -102,12 +109,21 @@ impl<E: Environment> SelfOrganizing<E> {
         Ok(tree)
     }
 
-    /// Cuts off the metamer below `node` and all above it. A bud takes its place, and the branch may grow again.
+    /// Cuts off the metamer below `node` and all above it. A bud takes its place, and the branch may grow again; see
+    /// [`Forest::cut`].
     ///
     /// # Errors
-    /// No such node, or the foot.
-    pub fn cut(&mut self, node: usize) -> Result<(), ParameterError> {
+    /// A node that does not stand, or the foot.
+    pub fn cut(&mut self, node: NodeId) -> Result<(), ParameterError> {
         self.forest.cut(0, node)
+    }
+
+    /// Cuts off all metamers whose ends lie outside of `keep`, and all above them; see [`Forest::prune`].
+    ///
+    /// # Errors
+    /// Options of the shape out of range.
+    pub fn prune(&mut self, keep: &dyn Shape) -> Result<usize, ParameterError> {
+        self.forest.prune(keep)
     }
 
     /// The tree; `None` before it was ever grown, and once it has died.

@@ -1,7 +1,7 @@
 //! Step 2: light becomes vigor and is shared out from the root to the buds.
 
 use super::habit::within;
-use super::tree::{BUD, DEAD, Tree};
+use super::tree::{BUD, Tree, is_node};
 use crate::ParameterError;
 
 /// How vigor is shared among buds.
@@ -90,8 +90,8 @@ impl Supply {
     pub(super) fn light_of(&self, tree: &Tree, node: usize, side: usize) -> f32 {
         match tree.nodes[node].children[side] {
             BUD => self.buds[node][side],
-            DEAD => 0.0,
-            child => self.light[child as usize],
+            child if is_node(child) => self.light[child as usize],
+            _ => 0.0,
         }
     }
 
@@ -124,8 +124,8 @@ impl Supply {
     ) {
         match tree.nodes[node].children[side] {
             BUD => sprout(node, side, vigor),
-            DEAD => {}
-            child => self.vigor[child as usize] = vigor,
+            child if is_node(child) => self.vigor[child as usize] = vigor,
+            _ => {}
         }
     }
 
@@ -175,8 +175,8 @@ impl Supply {
                         axis.push((light, f32::INFINITY, node, 0));
                         break;
                     }
-                    DEAD => break,
-                    child => node = child as usize,
+                    child if is_node(child) => node = child as usize,
+                    _ => break,
                 }
             }
             axis.sort_by(|a, b| b.1.total_cmp(&a.1).then(a.2.cmp(&b.2)));

@@ -7,8 +7,8 @@ use std::ops::ControlFlow;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use treesynth::glam::Vec3;
 use treesynth::self_organizing::{
-    Bud, Environment, Forest, ForestError, Habit, Offspring, Phyllotaxis, SelfOrganizing, ShadowPropagation,
-    Shedding, SpaceColonization, Tree, VigorModel, Width,
+    Bud, Environment, Forest, ForestError, Habit, NodeId, Offspring, Phyllotaxis, SelfOrganizing,
+    ShadowPropagation, Shedding, SpaceColonization, Tree, VigorModel, Width,
 };
 use treesynth::shape::{Cuboid, Sphere};
 use treesynth::{Progress, RadiusModel, Shape, Silent};
@@ -44,7 +44,7 @@ fn the_same_bits_on_any_number_of_threads() {
     assert_ne!(forest_hash(&grown(2, 12)), hashes[0]);
     assert_eq!(hashes[0], PINNED, "equal seeds no longer give equal forests: a line for CHANGELOG.md");
 }
-pub(super) const PINNED: u64 = 0x82f6_7018_42d3_b0e1;
+pub(super) const PINNED: u64 = 0x8923_c84f_bbe2_a628;
 
 #[test]
 fn looking_ahead_changes_nothing() {
@@ -180,7 +180,7 @@ fn a_shoot_of_a_million_metamers() {
     assert!(matches!(tree.step(), Err(ForestError::Limit { .. })));
     *tree.habit_mut() = Habit::default().with_vigor_multiplier(1e-6);
     tree.step().unwrap();
-    tree.cut(1).unwrap();
+    tree.cut(NodeId(1)).unwrap();
     assert_eq!(tree.metamers(), 0);
 }
 
@@ -243,7 +243,8 @@ fn a_cut_branch_grows_again() {
     assert_eq!(skeleton.orders()[branch], 0);
     let stump = skeleton.parent(branch).unwrap();
     let place = skeleton.positions()[stump];
-    tree.cut(branch).unwrap();
+    let id = |tree: &SelfOrganizing, node: usize| tree.tree().unwrap().ids().nth(node).unwrap();
+    tree.cut(id(&tree, branch)).unwrap();
     let left = tree.metamers();
     assert!(left < before / 2, "{left} of {before}");
     assert_eq!(tree.skeleton().unwrap().radii()[..=stump], skeleton.radii()[..=stump]);
@@ -257,7 +258,7 @@ fn a_cut_branch_grows_again() {
     assert_eq!(buds(&tree), 0, "the bud has grown");
     tree.grow(8).unwrap();
     assert!(tree.metamers() > 4 * left.max(25));
-    assert!(tree.cut(0).is_err() && tree.cut(1_000_000).is_err());
+    assert!(tree.cut(NodeId(0)).is_err() && tree.cut(NodeId(1_000_000)).is_err());
 }
 
 /// Step 5: `w^n = Σ w_child^n`, a bud having the width of a tip, as long as nothing has fallen.
@@ -398,7 +399,7 @@ fn bad_input_is_named() {
     assert!(matches!(walled.step(), Err(ForestError::Parameter(error)) if error.parameter == "foot"));
     assert!(Forest::new(light(), Habit::default(), 1).plant_as(Vec3::ZERO, 1).is_err());
     assert!(Forest::new(light(), Habit::default(), 1).with_most_trees(0).plant(Vec3::ZERO).is_err());
-    assert!(Forest::new(light(), Habit::default(), 1).cut(0, 1).is_err());
+    assert!(Forest::new(light(), Habit::default(), 1).cut(0, NodeId(1)).is_err());
     for parts in [0, 65, u32::MAX] {
         let error = SelfOrganizing::new(light(), Habit::default(), 1).with_parts(parts).step();
         assert!(matches!(error, Err(ForestError::Parameter(error)) if error.parameter == "Forest.parts"));

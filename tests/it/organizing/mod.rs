@@ -1,8 +1,14 @@
 //! Trees and forests that organize themselves.
 
+mod axes;
+mod garden;
 mod growth;
 mod light;
 mod parts;
+mod room;
+#[cfg(feature = "json")]
+mod saved;
+mod space;
 mod stands;
 
 use crate::sample::fnv1a;

@@ -90,6 +90,15 @@ fn a_topiary_fills_its_shape() {
 }
 
 #[test]
+fn a_wall_takes_light() {
+    let (beside, open) = (
+        mean("stand-wall", |tree| f64::from(middle(tree).x)),
+        mean("stand-between", |tree| f64::from(middle(tree).x)),
+    );
+    assert!(beside > open + 0.15, "{beside} m from the foot, {open} m in the open");
+}
+
+#[test]
 fn nothing_is_inside_the_wall() {
     for seed in 1..=4 {
         let tree = alone("stand-wall", seed);
@@ -97,7 +106,7 @@ fn nothing_is_inside_the_wall() {
         let face = presets::WALL.max().x;
         let beyond = tree.positions().iter().filter(|node| node.x < face && node.y < 12.0).count();
         assert_eq!(beyond, 0);
-        assert!(tree.positions().iter().any(|node| node.x < face + 0.1), "it leans against the wall");
+        assert!(tree.positions().iter().any(|node| node.x < face + 0.5), "it grows up beside the wall");
     }
 }
 
@@ -114,7 +123,22 @@ fn beyond(tree: &Skeleton, half: f32) -> f64 {
 /// Crowns of neighbours do not touch, and reach into each other's space by far less than they would alone.
 #[test]
 fn crowns_are_shy() {
-    let stand = grown("stand-shyness", 1).skeletons().expect("radii");
+    let lone = mean("stand-between", |tree| beyond(tree, 1.75));
+    let (mut gaps, mut middle) = (Vec::new(), 0.0);
+    for seed in 1..=4 {
+        let stand = grown("stand-shyness", seed).skeletons().expect("radii");
+        gaps.extend(gaps_between(&stand));
+        // The tree in the middle has neighbours on all sides.
+        middle += beyond(&stand[4], 1.75) / 4.0;
+    }
+    assert_eq!(gaps.len(), 48);
+    let mean_gap = gaps.iter().sum::<f32>() / 48.0;
+    assert!(mean_gap > 0.1 && gaps.iter().all(|&gap| gap > 0.005), "{mean_gap} {gaps:?}");
+    assert!(middle < 0.6 * lone, "{middle} for {lone}");
+}
+
+/// The gaps between the nodes of neighbours, metres.
+fn gaps_between(stand: &[Skeleton]) -> Vec<f32> {
     let mut gaps = Vec::new();
     for (i, one) in stand.iter().enumerate() {
         for other in &stand[i + 1..] {
@@ -127,20 +151,23 @@ fn crowns_are_shy() {
             }
         }
     }
-    assert_eq!(gaps.len(), 12);
-    let mean_gap = gaps.iter().sum::<f32>() / 12.0;
-    assert!(mean_gap > 0.1 && gaps.iter().all(|&gap| gap > 0.03), "{gaps:?}");
-    // The tree in the middle has neighbours on all sides.
-    let (middle, lone) = (beyond(&stand[4], 1.75), mean("stand-between", |tree| beyond(tree, 1.75)));
-    assert!(middle < 0.6 * lone, "{middle} for {lone}");
+    gaps
 }
 
-/// Trees of four generations and more stand at once; of those of one age, the ones under the first tree are shorter.
+/// Trees of three generations and more stand at once; of those of one age, the ones under the first tree are shorter, on
+/// the mean over seeds and ages.
 #[test]
 fn the_shaded_are_shorter() {
-    let forest = grown("stand-generations", 1);
+    let ratios: Vec<f32> = (1..=3).flat_map(shaded_by_open).collect();
+    let mean = ratios.iter().sum::<f32>() / ratios.len() as f32;
+    assert!(ratios.len() >= 9 && mean < 0.75, "{ratios:?}");
+}
+
+/// For each age that has more than three trees of both kinds, the mean height under the first tree over that in the open.
+fn shaded_by_open(seed: u64) -> Vec<f32> {
+    let forest = grown("stand-generations", seed);
     let generations: BTreeSet<u16> = forest.trees().iter().map(Tree::generation).collect();
-    assert!((0..4).all(|generation| generations.contains(&generation)), "{generations:?}");
+    assert!((0..3).all(|generation| generations.contains(&generation)), "{generations:?}");
     let sown = forest.trees().last().expect("there are trees").number();
     assert!(usize::from(sown as u16) > forest.trees().len(), "some have died");
     let mut heights: BTreeMap<u16, [Vec<f32>; 2]> = BTreeMap::new();
@@ -150,11 +177,8 @@ fn the_shaded_are_shorter() {
         heights.entry(tree.born()).or_default()[usize::from(under)].push(top);
     }
     let mean = |heights: &[f32]| heights.iter().sum::<f32>() / heights.len() as f32;
-    let ages: Vec<_> = heights.values().filter(|[open, under]| open.len() > 3 && under.len() > 3).collect();
-    assert!(ages.len() >= 4);
-    for [open, under] in ages {
-        assert!(mean(under) < 0.8 * mean(open), "{} under it, {} in the open", mean(under), mean(open));
-    }
+    let ages = heights.values().filter(|[open, under]| open.len() > 3 && under.len() > 3);
+    ages.map(|[open, under]| mean(under) / mean(open)).collect()
 }
 
 /// Equal seeds give equal stands; a change of these is a line in the CHANGELOG.
@@ -173,11 +197,16 @@ const PINNED: &[(&str, u64)] = &[
     ("stand-excurrent", 0xfd9f_6dff_e111_4e67),
     ("stand-between", 0xae48_d1ac_8ca0_268d),
     ("stand-decurrent", 0xa402_1cb6_0902_4a50),
-    ("stand-weeping", 0xe8b3_1cda_e25f_ebb7),
+    ("stand-weeping", 0x5830_9521_6500_90ea),
     ("stand-wind", 0x2a77_179e_fcf9_133b),
     ("stand-shrub", 0x9bbb_95c6_131d_9d22),
-    ("stand-topiary", 0xa29c_96f4_6282_7f59),
-    ("stand-wall", 0xf91b_8031_7592_e9b6),
+    ("stand-topiary", 0x1ad7_5c32_88cb_b022),
+    ("stand-priority", 0xa19c_6d82_5660_7a58),
+    ("stand-spruce", 0x87b5_2f72_44eb_9b86),
+    ("stand-spray", 0x3aa3_f207_f8dc_e14a),
+    ("stand-spreading", 0x1df5_9cd4_e4e4_0e1c),
+    ("stand-slope", 0xec8e_04f0_f4bb_a2d9),
+    ("stand-wall", 0x983e_2479_2987_926f),
     ("stand-shyness", 0x0ed9_4b9a_3356_91aa),
     ("stand-generations", 0x5409_3c58_f5fc_cce3),
 ];
