@@ -65,7 +65,7 @@ impl WeightFn for Tough {
 }
 
 /// Cells and the cracks between them.
-pub(crate) struct Cracks {
+pub(crate) struct Mud {
     /// The planar graph.
     pub(crate) graph: Graph,
     /// The cell of each of its nodes.
@@ -75,7 +75,7 @@ pub(crate) struct Cracks {
     pub(crate) cracks: Vec<(u32, u32)>,
 }
 
-pub(crate) fn cracks(nodes: usize, seed: u64) -> Result<Cracks, Failure> {
+pub(crate) fn cracks(nodes: usize, seed: u64) -> Result<Mud, Failure> {
     let builder = Cells { nodes, spacing: 0.11 };
     let graph = builder.flat(seed, &Silent)?;
     let synth = TreeSynth::new(builder)
@@ -103,10 +103,10 @@ pub(crate) fn cracks(nodes: usize, seed: u64) -> Result<Cracks, Failure> {
         _ => None,
     });
     let cracks = cracks.collect();
-    Ok(Cracks { graph, cells, triangles, cracks })
+    Ok(Mud { graph, cells, triangles, cracks })
 }
 
-impl Cracks {
+impl Mud {
     fn middle(&self, triangle: u32) -> Vec3 {
         let [a, b, c] = self.triangles[triangle as usize].map(|corner| self.graph.position(corner));
         (a + b + c) / 3.0

@@ -22,10 +22,15 @@ const TARGET: Vec3 = Vec3::new(120.0, 0.0, 0.0);
 /// log-normal tail.
 struct Air {
     roughness: f32,
+    /// Edges may be so long, metres: along the region's faces some are much longer, and would be straight strokes.
+    longest: f32,
 }
 
 impl WeightFn for Air {
     fn weight(&self, edge: &Edge) -> f32 {
+        if edge.length > self.longest {
+            return f32::INFINITY;
+        }
         let number =
             |stage| unit(edge.seed, stage, Purpose::CUSTOM, u64::from(edge.from) << 32 | u64::from(edge.to));
         // Near to normal: the logistic distribution's quantile.
@@ -33,19 +38,26 @@ impl WeightFn for Air {
         let resistance = exp(self.roughness * ln(draw / (1.0 - draw)));
         edge.length * (0.15 + edge.deviation()) * resistance
     }
+
+    fn forbids(&self) -> bool {
+        true
+    }
 }
 
 pub(crate) fn stroke(nodes: usize) -> TreeSynth {
     let region = Cuboid::new(Vec3::new(-420.0, 0.0, -160.0), Vec3::new(420.0, CLOUD, 160.0));
+    let graph = PoissonYao::new(region).with_nodes(nodes).with_root(Vec3::Y * CLOUD);
+    // An error here is one that synthesis reports.
+    let longest = 2.5 * graph.spacing().unwrap_or(f32::NAN);
     let down = || FollowField::new(Uniform::new(Vec3::NEG_Y));
     let branches = |hops, count, share| {
         // Off to the side first, then down again.
         let rule = Blend::new(Bend::piecewise(0.9, 0.0, 1), down(), 0.35);
         let endpoints = HopSurface::new(hops, Count::UpTo(count)).with_outermost(share).only(Side::Lower);
-        Stage::new(rule, endpoints).with_weight(Air { roughness: 0.5 })
+        Stage::new(rule, endpoints).with_weight(Air { roughness: 0.5, longest })
     };
-    TreeSynth::new(PoissonYao::new(region).with_nodes(nodes).with_root(Vec3::Y * CLOUD))
-        .stage(Stage::new(down(), NearestTo::new(TARGET)).with_weight(Air { roughness: 0.6 }))
+    TreeSynth::new(graph)
+        .stage(Stage::new(down(), NearestTo::new(TARGET)).with_weight(Air { roughness: 0.6, longest }))
         .stage(branches(11, 8, 0.8))
         .stage(branches(5, 30, 0.9))
         .stage(branches(3, 90, 1.0))

@@ -67,7 +67,9 @@ fn run() -> Result<(), Failure> {
             Long("size") => size = arguments.value()?.parse()?,
             Long("out") => out = arguments.value()?.into(),
             Long("list") => {
-                ALL.iter().for_each(|(name, ..)| println!("{name}"));
+                for (name, ..) in ALL {
+                    println!("{name}");
+                }
                 return Ok(());
             }
             Long("help") | Short('h') => {

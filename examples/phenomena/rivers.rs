@@ -81,7 +81,9 @@ fn flooded(flat: &Graph, seed: u64) -> Vec<f32> {
     let mut heights: Vec<f32> = flat.positions().iter().map(|p| height(seed, p.truncate())).collect();
     let lowest = heights.iter().copied().fold(f32::INFINITY, f32::min);
     // Above 0, where the bits of numbers are in their order.
-    heights.iter_mut().for_each(|height| *height += 10.0 - lowest);
+    for height in &mut heights {
+        *height += 10.0 - lowest;
+    }
     heights[flat.root() as usize] = 1.0;
     let mut seen = vec![false; heights.len()];
     let mut shore = BinaryHeap::from([Reverse((heights[flat.root() as usize].to_bits(), flat.root()))]);
@@ -227,7 +229,9 @@ fn land(graph: &Graph, seed: u64, nodes: usize, steep: impl Fn(Vec3) -> Vec3) ->
     for corners in planar::triangles(&flat) {
         let [a, b, c] = corners.map(|corner| mesh.positions[corner as usize]);
         let normal = (b - a).cross(c - a);
-        corners.iter().for_each(|&corner| mesh.normals[corner as usize] += normal);
+        for corner in corners {
+            mesh.normals[corner as usize] += normal;
+        }
         mesh.indices.extend(corners);
     }
     mesh.normals.iter_mut().for_each(|normal| *normal = normal.normalize_or(Vec3::Y));

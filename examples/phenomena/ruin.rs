@@ -31,8 +31,9 @@ fn is_solid(at: IVec3) -> bool {
     // The top has crumbled, in steps of two blocks, more to the right.
     let step = IVec3::new(at.x / 2, 0, 0);
     let top = 21.0 - 0.28 * x + 4.0 * draw(step, 0) - if (12..17).contains(&at.x) { 3.0 } else { 0.0 };
-    let window =
-        (x - 20.5).abs() < 3.5 && y >= 5.0 && (y < 9.0 || (x - 20.5).powi(2) + (y - 9.0).powi(2) < 12.0);
+    let window = (x - 20.5).abs() < 3.5
+        && y >= 5.0
+        && (y < 9.0 || (x - 20.5) * (x - 20.5) + (y - 9.0) * (y - 9.0) < 12.0);
     let buttress = at.x < 5 && y < 15.0 - 2.5 * (at.z - 3).max(0) as f32;
     y < top && !window && (at.z < 3 || buttress)
 }

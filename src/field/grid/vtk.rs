@@ -1,4 +1,4 @@
-//! Grids in files: the legacy VTK format's structured points, as ParaView and flow solvers write them.
+//! Grids in files: the legacy VTK format's structured points, as `ParaView` and flow solvers write them.
 //!
 //! "VTK File Formats", section "Simple Legacy Formats": a header of text lines, then the vectors, as text or as
 //! big-endian numbers.
@@ -49,7 +49,7 @@ impl GridField {
     /// # Ok::<(), treesynth::field::GridFieldError>(())
     /// ```
     pub fn read_vtk(reader: impl BufRead) -> Result<Self, GridFieldError> {
-        Reader { reader, line: 0, byte: 0, text: String::new() }.field()
+        Reader { source: reader, line: 0, byte: 0, text: String::new() }.field()
     }
 
     /// Writes the field in the same format, as 32-bit big-endian numbers.
@@ -79,7 +79,7 @@ impl GridField {
 }
 
 struct Reader<R> {
-    reader: R,
+    source: R,
     /// Lines and bytes read so far.
     line: usize,
     byte: u64,
@@ -94,7 +94,7 @@ impl<R: BufRead> Reader<R> {
     /// The next line into `text`, without its end; false at the end of the file.
     fn next_line(&mut self) -> Result<bool, GridFieldError> {
         let mut bytes = Vec::new();
-        let read = std::io::Read::take(&mut self.reader, LONGEST_LINE).read_until(b'\n', &mut bytes)? as u64;
+        let read = std::io::Read::take(&mut self.source, LONGEST_LINE).read_until(b'\n', &mut bytes)? as u64;
         if read == 0 {
             return Ok(false);
         }
@@ -239,7 +239,7 @@ impl<R: BufRead> Reader<R> {
                 let mut bytes = [0; SIZE];
                 let mut filled = 0;
                 while filled < SIZE {
-                    match self.reader.read(&mut bytes[filled..]) {
+                    match self.source.read(&mut bytes[filled..]) {
                         Ok(0) => {
                             let byte = self.byte + filled as u64;
                             let message = format!("the file ends after {index} of {count} vectors");

@@ -22,7 +22,7 @@ const REACH: f32 = 4.0;
 /// graph is connected all the same: no disc of two spacings around a point of the region is empty, so the shortest links that
 /// connect all nodes are shorter than that, and these are edges of the triangulation.
 ///
-/// Whether three points turn left or right is decided exactly. O(n log n); about 150 bytes a node at the peak.
+/// Whether three points turn left or right is decided exactly. O(n log n); the arrays take some 230 bytes a node at the peak.
 ///
 /// ```
 /// use treesynth::{Silent, guided::{GraphBuilder, PoissonDelaunay}, shape::Cuboid, glam::Vec3};

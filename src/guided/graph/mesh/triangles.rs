@@ -34,7 +34,7 @@ impl Triangles {
         let mut area = 0.0;
         for (number, triangle) in (0..).zip(triangles) {
             let corners = triangle.map(|corner| positions[corner as usize]);
-            let [a, b, c] = corners.map(|corner| corner.as_dvec3());
+            let [a, b, c] = corners.map(Vec3::as_dvec3);
             let doubled = (b - a).cross(c - a);
             let Some(normal) = doubled.try_normalize() else { continue };
             area += doubled.length() * 0.5;

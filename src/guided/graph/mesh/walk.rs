@@ -49,7 +49,8 @@ impl Walk<'_> {
             for side in (0..3).filter(|&side| Some(side) != came_by && ups[side] != ups[(side + 1) % 3]) {
                 let (a, b) = (corners[side], corners[(side + 1) % 3]);
                 let (da, db) = ((a - from.position).dot(across), (b - from.position).dot(across));
-                let crossing = if da == db { a } else { a.lerp(b, (da / (da - db)).clamp(0.0, 1.0)) };
+                // One is below 0, the other not, so they differ.
+                let crossing = a.lerp(b, (da / (da - db)).clamp(0.0, 1.0));
                 let progress = (crossing - from.position).dot(ahead);
                 if best.is_none_or(|best| progress > best.0) {
                     best = Some((progress, side, crossing));
