@@ -11,6 +11,8 @@ mod figures;
 mod foliage;
 #[cfg(feature = "json")]
 mod growth;
+#[cfg(feature = "import")]
+mod import;
 #[cfg(feature = "testing")]
 mod invariants;
 mod layers;
