@@ -1,6 +1,7 @@
 //! The command line.
 
-use lexopt::prelude::{Long, Short, ValueExt};
+use super::common::{Failure, number, print, text};
+use lexopt::prelude::{Long, Short};
 use std::path::PathBuf;
 use treesynth::presets;
 
@@ -11,9 +12,9 @@ cargo run --release --example forest -- [OPTIONS]
 
   --preset NAME   one of --list                                [stand-generations]
   --list          the presets, one a line, and nothing else
-  --seed N        the seed                                     [the preset's]
-  --seasons N     how long it grows, at least 1                [the preset's]
-  --size N        pixels of the animation's sides              [320]
+  --seed N        the seed, 0 to 18446744073709551615          [the preset's]
+  --seasons N     how long it grows, 1 to 1000                 [the preset's]
+  --size N        sides of the animation, 16 to 4096 pixels    [320]
   --out DIR       where files go; made if it is not there      [out]
   --help          this text";
 
@@ -28,7 +29,7 @@ pub(crate) struct Options {
 
 impl Options {
     /// `None` when the user asked for a text, which has been printed.
-    pub(crate) fn from_arguments() -> Result<Option<Self>, super::Failure> {
+    pub(crate) fn from_arguments() -> Result<Option<Self>, Failure> {
         let mut options = Self {
             preset: "stand-generations".into(),
             seed: None,
@@ -39,19 +40,19 @@ impl Options {
         let mut arguments = lexopt::Parser::from_env();
         while let Some(argument) = arguments.next()? {
             match argument {
-                Long("preset") => options.preset = arguments.value()?.string()?,
-                Long("seed") => options.seed = Some(arguments.value()?.parse()?),
-                Long("seasons") => options.seasons = Some(arguments.value()?.parse()?),
-                Long("size") => options.size = arguments.value()?.parse()?,
+                Long("preset") => options.preset = text(&mut arguments, "--preset")?,
+                Long("seed") => options.seed = Some(number(&mut arguments, "--seed", 0..=u64::MAX, "")?),
+                Long("seasons") => {
+                    options.seasons = Some(number(&mut arguments, "--seasons", 1..=1000, "seasons")?);
+                }
+                Long("size") => options.size = number(&mut arguments, "--size", 16..=4096, "pixels")?,
                 Long("out") => options.out = arguments.value()?.into(),
                 Long("list") => {
-                    for stand in presets::stands() {
-                        println!("{:26} {}", stand.name, stand.caption);
-                    }
+                    print(presets::stands().map(|stand| format!("{:26} {}", stand.name, stand.caption)));
                     return Ok(None);
                 }
                 Long("help") | Short('h') => {
-                    println!("{HELP}");
+                    print([HELP]);
                     return Ok(None);
                 }
                 other => return Err(other.unexpected().into()),

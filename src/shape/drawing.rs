@@ -30,7 +30,11 @@ impl Outline {
     pub fn from_svg_path(data: &str) -> Result<Self, ParameterError> {
         let refused = |reason: String| {
             let start: String = data.chars().take(40).collect();
-            ParameterError::new("Outline.path", format_args!("{start:?}"), format!("SVG path data ({reason})"))
+            ParameterError::new(
+                "Outline.path",
+                format_args!("{start:?}"),
+                format!("SVG path data ({reason})"),
+            )
         };
         let contours = contours(data).map_err(refused)?;
         Ok(mended(contours, FillRule::NonZero))
@@ -64,10 +68,14 @@ impl Outline {
         let document = roxmltree::Document::parse_with_options(text, options)
             .map_err(|error| refused(format!("no XML: {error}"), "an SVG document"))?;
         // The conversion below draws a path up to what is wrong in it, as the specification asks of viewers.
-        for node in document.descendants().filter(|node| node.tag_name().name() == "path" && is_drawn(*node)) {
+        for node in document.descendants().filter(|node| node.tag_name().name() == "path" && is_drawn(*node))
+        {
             if let Some(error) = node.attribute("d").and_then(|data| contours(data).err()) {
                 let line = document.text_pos_at(node.range().start);
-                return Err(refused(format!("a path at line {line} with {error}"), "of paths that can be read"));
+                return Err(refused(
+                    format!("a path at line {line} with {error}"),
+                    "of paths that can be read",
+                ));
             }
         }
         let options = usvg::Options {
@@ -103,7 +111,10 @@ impl Outline {
             }
         }
         if shapes.is_empty() {
-            return Err(refused("a document that draws no shape".into(), "an SVG document with a path or a basic shape that is drawn"));
+            return Err(refused(
+                "a document that draws no shape".into(),
+                "an SVG document with a path or a basic shape that is drawn",
+            ));
         }
         Ok(shapes)
     }
@@ -144,7 +155,9 @@ impl Pen {
         for step in 1..=PIECES {
             let t = f64::from(step) / f64::from(PIECES);
             let s = 1.0 - t;
-            self.line_to(from * (s * s * s) + a * (3.0 * s * s * t) + b * (3.0 * s * t * t) + to * (t * t * t));
+            self.line_to(
+                from * (s * s * s) + a * (3.0 * s * s * t) + b * (3.0 * s * t * t) + to * (t * t * t),
+            );
         }
     }
 
@@ -189,7 +202,9 @@ impl Pen {
         for step in 1..pieces {
             let (sin_at, cos_at) = libm::sincos(first + span * f64::from(step) / f64::from(pieces));
             let place = (DVec2::new(cos_at, sin_at) + center) * radii;
-            self.line_to(DVec2::new(cos * place.x - sin * place.y, sin * place.x + cos * place.y) + (from + to) * 0.5);
+            self.line_to(
+                DVec2::new(cos * place.x - sin * place.y, sin * place.x + cos * place.y) + (from + to) * 0.5,
+            );
         }
         self.line_to(to);
     }
@@ -310,7 +325,7 @@ fn mended(mut contours: Vec<Vec<DVec2>>, rule: FillRule) -> Outline {
         return plain;
     }
     let points: Vec<Vec<[f64; 2]>> =
-        contours.iter().map(|contour| contour.iter().map(|corner| corner.to_array()).collect()).collect();
+        contours.iter().map(|contour| contour.iter().map(DVec2::to_array).collect()).collect();
     let shapes = points.simplify_shape_custom(rule, OverlayOptions::ogc(), Solver::default());
     let simple: Vec<Vec<DVec2>> =
         shapes.into_iter().flatten().map(|contour| contour.into_iter().map(DVec2::from).collect()).collect();

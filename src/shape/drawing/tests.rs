@@ -13,7 +13,11 @@ fn check(cases: &[(&str, f64)], tolerance: f64) {
     for &(data, expected) in cases {
         let outline = Outline::from_svg_path(data).unwrap_or_else(|error| panic!("{data:?}: {error}"));
         assert_eq!(outline.check(), Ok(()), "{data:?}");
-        assert!((area(&outline) / expected - 1.0).abs() < tolerance, "{data:?}: {} {expected}", area(&outline));
+        assert!(
+            (area(&outline) / expected - 1.0).abs() < tolerance,
+            "{data:?}: {} {expected}",
+            area(&outline)
+        );
     }
 }
 
@@ -104,7 +108,8 @@ fn what_crosses_itself_is_mended() {
     check(&[(star, 28.065), ("M0 0L4 4L4 0L0 4z", 8.0)], 1e-3);
     // A corner on a side, and a side that comes back.
     check(&[("M0 0h4v4l-2-4-2 4z", 8.0), ("M0 0h4h-2v3h-2z", 6.0), ("M0 0h4v4h-4zh2v2h-2z", 16.0)], 1e-3);
-    let even = star.replace("M", r#"<svg xmlns="http://www.w3.org/2000/svg"><path fill-rule="evenodd" d="M"#) + r#""/></svg>"#;
+    let even = star.replace('M', r#"<svg xmlns="http://www.w3.org/2000/svg"><path fill-rule="evenodd" d="M"#)
+        + r#""/></svg>"#;
     let shapes = Outline::from_svg(&even).expect("a star");
     assert!(shapes[0].check().is_ok() && !shapes[0].contains(Vec2::ZERO));
     // Its middle, a pentagon, is empty.
@@ -114,11 +119,37 @@ fn what_crosses_itself_is_mended() {
 #[test]
 fn what_is_no_path_is_refused() {
     let bad = [
-        "", "   ", "M", "M0", "M0 0", "L0 0 4 0 4 4z", "z", "M0 0L4", "M0 0h4v4h-", "M0 0hNaN", "M0 0hinfv4h-4z",
-        "M0 0h1e400v4h-4z", "M0 0b4v4z", "M0 0h4pxv4h-4z", "M0 0h4e", "M0 0h4e+", "M0 0h.v4z", "M0 0h--4v4z",
-        "M0 0h0x10v4z", "<path d=\"M0 0h4v4z\"/>", "M0 0 h 4 v 4 h -4 z // done", "\u{feff}M0 0h4v4h-4z",
-        "M0 0 L4 0 L4 4 L\u{2212}4 4z", "M0 0 4 0 4 4; 0 4z", "M0 0 4 0 4 4,,0 4z", "M0 0 4 0 4 4 #0 4z",
-        "M0 0h4v4h-4z%garbage", "M0 0a2 2 0 2 0 4 0z", "M 1 x", "nonsense", "M0 0h1e308v1e308h1e308z",
+        "",
+        "   ",
+        "M",
+        "M0",
+        "M0 0",
+        "L0 0 4 0 4 4z",
+        "z",
+        "M0 0L4",
+        "M0 0h4v4h-",
+        "M0 0hNaN",
+        "M0 0hinfv4h-4z",
+        "M0 0h1e400v4h-4z",
+        "M0 0b4v4z",
+        "M0 0h4pxv4h-4z",
+        "M0 0h4e",
+        "M0 0h4e+",
+        "M0 0h.v4z",
+        "M0 0h--4v4z",
+        "M0 0h0x10v4z",
+        "<path d=\"M0 0h4v4z\"/>",
+        "M0 0 h 4 v 4 h -4 z // done",
+        "\u{feff}M0 0h4v4h-4z",
+        "M0 0 L4 0 L4 4 L\u{2212}4 4z",
+        "M0 0 4 0 4 4; 0 4z",
+        "M0 0 4 0 4 4,,0 4z",
+        "M0 0 4 0 4 4 #0 4z",
+        "M0 0h4v4h-4z%garbage",
+        "M0 0a2 2 0 2 0 4 0z",
+        "M 1 x",
+        "nonsense",
+        "M0 0h1e308v1e308h1e308z",
     ];
     for data in bad {
         let error = Outline::from_svg_path(data).expect_err(data);
@@ -131,7 +162,9 @@ fn what_is_no_path_is_refused() {
 }
 
 fn document(content: &str) -> Result<Vec<Outline>, ParameterError> {
-    Outline::from_svg(&format!(r#"<svg xmlns="http://www.w3.org/2000/svg" xmlns:xlink="http://www.w3.org/1999/xlink" viewBox="0 0 100 100">{content}</svg>"#))
+    Outline::from_svg(&format!(
+        r#"<svg xmlns="http://www.w3.org/2000/svg" xmlns:xlink="http://www.w3.org/1999/xlink" viewBox="0 0 100 100">{content}</svg>"#
+    ))
 }
 
 #[test]
@@ -150,13 +183,19 @@ fn documents_are_read_as_they_are_drawn() {
         (r#"<ellipse cx="20" cy="20" rx="2" ry="5"/>"#, 31.416),
         (r#"<polygon points="0,0 4,0 4,4 0,4"/>"#, 16.0),
         (r#"<polyline points="0,0 4,0 4,4 0,4"/>"#, 16.0),
-        (r#"<g transform="scale(2)"><path transform="rotate(30) translate(3 4)" d="M0 0h4v4h-4z"/></g>"#, 64.0),
+        (
+            r#"<g transform="scale(2)"><path transform="rotate(30) translate(3 4)" d="M0 0h4v4h-4z"/></g>"#,
+            64.0,
+        ),
         (r#"<path d="M0 0h4v4h-4zM1 1h2v2h-2z" style="fill-rule:evenodd"/>"#, 12.0),
         (r#"<path d="M0 0h4v4h-4zM1 1h2v2h-2z"/>"#, 16.0),
         (r#"<g fill-rule="evenodd"><path d="M0 0h4v4h-4zM1 1h2v2h-2z"/></g>"#, 12.0),
         (r#"<path fill="none" stroke="black" d="M0 0h4v4h-4z"/>"#, 16.0),
         (r##"<defs><rect id="r" width="2" height="3"/></defs><use xlink:href="#r" x="4"/>"##, 6.0),
-        (r#"<path display="none" d="M0 0h9v9h-9z"/><path visibility="hidden" d="M0 0h9v9h-9z"/><rect width="1" height="2"/>"#, 2.0),
+        (
+            r#"<path display="none" d="M0 0h9v9h-9z"/><path visibility="hidden" d="M0 0h9v9h-9z"/><rect width="1" height="2"/>"#,
+            2.0,
+        ),
     ];
     for (content, expected) in areas {
         let shapes = document(content).unwrap_or_else(|error| panic!("{content}: {error}"));
@@ -179,12 +218,14 @@ fn what_is_no_drawing_is_refused() {
     refused("<html/>", "");
     assert!(document("<text>A</text>").is_err() && document("").is_err());
     assert!(document(r#"<clipPath id="c"><path d="M0 0h1v9h-1z"/></clipPath>"#).is_err());
-    let cut = document("<g>\n<path d=\"M0 0h4v4h-4z;M0 0h9\"/></g>").expect_err("a path cut short").to_string();
+    let cut =
+        document("<g>\n<path d=\"M0 0h4v4h-4z;M0 0h9\"/></g>").expect_err("a path cut short").to_string();
     assert!(cut.contains("a path at line 2"), "{cut}");
     // An entity that grows without end.
     let mut bomb = String::from("<!DOCTYPE svg [<!ENTITY a \"aaaaaaaaaa\">");
     for (this, last) in ('b'..='z').zip('a'..) {
-        bomb += &format!("<!ENTITY {this} \"{}\">", format!("&{last};").repeat(10));
+        let entity = format!("<!ENTITY {this} \"{}\">", format!("&{last};").repeat(10));
+        bomb += &entity;
     }
     refused(&(bomb + "]><svg xmlns=\"http://www.w3.org/2000/svg\"><path d=\"&z;\"/></svg>"), "");
 }

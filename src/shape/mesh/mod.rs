@@ -15,9 +15,9 @@ use std::sync::Arc;
 use glam::Vec3;
 use rand::RngExt;
 
+use self::cells::Cells;
 #[cfg(feature = "import")]
 pub use self::file::{Import, MeshFormat};
-use self::cells::Cells;
 use self::prepare::prepare;
 use self::winding::{Winding, area_vector};
 use super::{Bounds, Shape, check_fit};

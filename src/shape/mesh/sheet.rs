@@ -25,10 +25,11 @@ pub(super) fn single(triangles: &mut Vec<[u32; 3]>, flaws: &mut Flaws) {
         return;
     }
     // The first of each, and how many there are.
-    let mut firsts: Vec<(u32, usize)> = order.chunk_by(same).map(|copies| (copies[0], copies.len())).collect();
+    let mut firsts: Vec<(u32, usize)> =
+        order.chunk_by(same).map(|copies| (copies[0], copies.len())).collect();
     firsts.sort_unstable();
     let kept: Vec<[u32; 3]> = firsts.iter().map(|&(first, _)| triangles[first as usize]).collect();
-    let even = |triangle: u32| firsts[triangle as usize].1 % 2 == 0;
+    let even = |triangle: u32| firsts[triangle as usize].1.is_multiple_of(2);
     let sides = sides(&kept);
     // Those of even number that hang together by sides.
     let mut groups = Groups::new(kept.len());
@@ -48,11 +49,11 @@ pub(super) fn single(triangles: &mut Vec<[u32; 3]>, flaws: &mut Flaws) {
         borders[group] += (same.len() % 2) as i64 - (others % 2) as i64;
         touches[group] |= others > 0;
     }
-    let alone = firsts.iter().all(|&(_, copies)| copies % 2 == 0);
+    let alone = firsts.iter().all(|&(_, copies)| copies.is_multiple_of(2));
     *triangles = Vec::with_capacity(kept.len());
     for (number, (corners, &(_, copies))) in (0..).zip(kept.iter().zip(&firsts)) {
         let group = groups.of(number) as usize;
-        let wall = copies % 2 == 0 && borders[group] > 0;
+        let wall = copies.is_multiple_of(2) && borders[group] > 0;
         if !wall || alone {
             triangles.push(*corners);
             flaws.doubled += copies - 1;

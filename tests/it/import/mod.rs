@@ -1,5 +1,11 @@
 //! Models of others: what readers of good repute read is read, and what is wrong is named by its place.
 
+#![allow(
+    clippy::format_collect,
+    clippy::format_push_string,
+    reason = "texts of tests, put together line by line"
+)]
+
 mod gltf;
 mod mutated;
 mod obj;
@@ -36,7 +42,10 @@ pub(crate) fn is(read: Read, volume: f32, area: f32, what: &str) -> TriangleMesh
 /// Volume and area, and samples on the border of what is inside.
 pub(crate) fn has(mesh: &TriangleMesh, volume: f32, area: f32, what: &str) {
     let found = (mesh.volume(), mesh.surface_area().expect("known"));
-    assert!((found.0 / volume - 1.0).abs() < 1e-3 && (found.1 / area - 1.0).abs() < 1e-3, "{what}: {found:?}");
+    assert!(
+        (found.0 / volume - 1.0).abs() < 1e-3 && (found.1 / area - 1.0).abs() < 1e-3,
+        "{what}: {found:?}"
+    );
     let mut random = treesynth::random::stream(1, 0, treesynth::random::Purpose::CUSTOM, 0);
     let near = mesh.bounds().size().max_element() * 1e-3;
     for _ in 0..500 {

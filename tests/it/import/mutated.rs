@@ -13,9 +13,32 @@ fn runs() -> u64 {
 
 /// Words that break readers.
 const WORDS: [&[u8]; 26] = [
-    b"-1", b"0", b"4294967295", b"4294967296", b"18446744073709551615", b"-9223372036854775808", b"1e39", b"1e400", b"nan",
-    b"inf", b"\\\n", b"\r", b"\n", b" ", b"#", b"/", b"f ", b"v ", b"solid ", b"endloop", b"vertex ", b"end_header\n",
-    b"element none 4294967295\n", b"property list uint uint many\n", b"\xFF\xFF\xFF\xFF", b"\0\0\0\0",
+    b"-1",
+    b"0",
+    b"4294967295",
+    b"4294967296",
+    b"18446744073709551615",
+    b"-9223372036854775808",
+    b"1e39",
+    b"1e400",
+    b"nan",
+    b"inf",
+    b"\\\n",
+    b"\r",
+    b"\n",
+    b" ",
+    b"#",
+    b"/",
+    b"f ",
+    b"v ",
+    b"solid ",
+    b"endloop",
+    b"vertex ",
+    b"end_header\n",
+    b"element none 4294967295\n",
+    b"property list uint uint many\n",
+    b"\xFF\xFF\xFF\xFF",
+    b"\0\0\0\0",
 ];
 
 fn bend(bytes: &mut Vec<u8>, random: &mut impl Rng) {
@@ -32,13 +55,20 @@ fn bend(bytes: &mut Vec<u8>, random: &mut impl Rng) {
                 bytes.splice(to..to, part);
             }
             4 => bytes.truncate(at),
-            5 => bytes.splice(at..end, WORDS[random.random_range(0..WORDS.len())].iter().copied()).for_each(drop),
-            6 => bytes.splice(at..at, WORDS[random.random_range(0..WORDS.len())].iter().copied()).for_each(drop),
+            5 => bytes
+                .splice(at..end, WORDS[random.random_range(0..WORDS.len())].iter().copied())
+                .for_each(drop),
+            6 => bytes
+                .splice(at..at, WORDS[random.random_range(0..WORDS.len())].iter().copied())
+                .for_each(drop),
             _ => {
                 // A number for a number.
                 let digits = |byte: &u8| byte.is_ascii_digit();
                 if let Some(start) = bytes[at..].iter().position(digits).map(|start| at + start) {
-                    let end = bytes[start..].iter().position(|byte| !digits(byte)).map_or(bytes.len(), |end| start + end);
+                    let end = bytes[start..]
+                        .iter()
+                        .position(|byte| !digits(byte))
+                        .map_or(bytes.len(), |end| start + end);
                     let number = random.random::<u64>() >> random.random_range(0..64);
                     bytes.splice(start..end, number.to_string().into_bytes()).for_each(drop);
                 }
@@ -55,10 +85,9 @@ fn run(what: &str, seeds: &[Vec<u8>], read: impl Fn(&[u8]) -> bool + std::panic:
         let mut bytes = seeds[random.random_range(0..seeds.len())].clone();
         bend(&mut bytes, &mut random);
         let start = std::time::Instant::now();
-        match catch_unwind(|| read(&bytes)) {
-            Ok(well) => read_well += u64::from(well),
-            Err(_) => panic!("{what}, run {run}: {:?}", String::from_utf8_lossy(&bytes)),
-        }
+        let well = catch_unwind(|| read(&bytes));
+        assert!(well.is_ok(), "{what}, run {run}: {:?}", String::from_utf8_lossy(&bytes));
+        read_well += u64::from(well.unwrap_or_default());
         assert!(start.elapsed().as_secs() < 20, "{what}, run {run} took {:?}", start.elapsed());
     }
     assert!(read_well > 0 && read_well < runs, "{what}: {read_well} of {runs} were read");
@@ -73,8 +102,13 @@ fn written(format: MeshFormat) -> Vec<Vec<u8>> {
     use treesynth::export::{GlbOptions, PlyFormat, write_glb, write_obj, write_ply, write_stl};
     use treesynth::glam::Vec3;
     use treesynth::surface::{Mesh, Part};
-    let corners: Vec<Vec3> = super::CORNERS.iter().map(|corner| Vec3::from_array(corner.map(f32::from))).collect();
-    let indices = super::FACES.iter().flat_map(|&[a, b, c, d]| [a, b, c, a, c, d]).map(|corner| corner as u32).collect();
+    let corners: Vec<Vec3> =
+        super::CORNERS.iter().map(|corner| Vec3::from_array(corner.map(f32::from))).collect();
+    let indices = super::FACES
+        .iter()
+        .flat_map(|&[a, b, c, d]| [a, b, c, a, c, d])
+        .map(|corner| corner as u32)
+        .collect();
     let mesh = Mesh::new(corners, vec![Vec3::Y; 8], indices);
     let parts = [Part::new(&mesh)];
     let mut bytes = Vec::new();
@@ -144,7 +178,9 @@ fn bent_drawings() {
     let drawing = r##"<svg xmlns="http://www.w3.org/2000/svg" xmlns:xlink="http://www.w3.org/1999/xlink" viewBox="0 0 9 9" width="3cm"><style>.a{fill:red}</style>
         <defs><path id="p" d="M0 0h4v4h-4z"/></defs><use xlink:href="#p" transform="rotate(30 1 2)"/><g class="a"><circle r="2"/><rect width="10%" height="3"/>
         <path fill-rule="evenodd" d="M0 0h4v4h-4zM1 1h2v2h-2z"/></g></svg>"##;
-    run("SVG", &[drawing.as_bytes().to_vec()], |bytes| Outline::from_svg(&String::from_utf8_lossy(bytes)).is_ok());
+    run("SVG", &[drawing.as_bytes().to_vec()], |bytes| {
+        Outline::from_svg(&String::from_utf8_lossy(bytes)).is_ok()
+    });
 }
 
 #[cfg(feature = "json")]

@@ -37,12 +37,23 @@ fn dialects_are_read() {
         ("Latin-1 comment", [b"# B\xE4ume\n", cube.as_bytes()].concat()),
         ("Latin-1 group", [cube.as_bytes(), b"g B\xE4ume\nusemtl \xFC\n"].concat()),
         ("continued", continued.into()),
-        ("comments at line ends", lines.iter().map(|line| format!("{line} # here\n")).collect::<String>().into()),
+        (
+            "comments at line ends",
+            lines.iter().map(|line| format!("{line} # here\n")).collect::<String>().into(),
+        ),
         ("comment with a backslash", format!("# C:\\models\\\n{cube}").into()),
         ("name with a backslash", cube.replacen("f 1", "usemtl a\\\nf 1", 1).into()),
         ("colours", (vertices(|_, [x, y, z]| format!("v {x} {y} {z} .1 .2 .3")) + &counted()).into()),
-        ("colours with alpha", (vertices(|_, [x, y, z]| format!("v {x} {y} {z} .1 .2 .3 1")) + &counted()).into()),
-        ("half coloured", (vertices(|i, [x, y, z]| format!("v {x} {y} {z}{}", if i < 4 { " 1 0 0" } else { "" })) + &counted()).into()),
+        (
+            "colours with alpha",
+            (vertices(|_, [x, y, z]| format!("v {x} {y} {z} .1 .2 .3 1")) + &counted()).into(),
+        ),
+        (
+            "half coloured",
+            (vertices(|i, [x, y, z]| format!("v {x} {y} {z}{}", if i < 4 { " 1 0 0" } else { "" }))
+                + &counted())
+                .into(),
+        ),
         ("CR", cube.replace('\n', "\r").into()),
         ("CR LF", cube.replace('\n', "\r\n").into()),
         ("byte order mark", format!("\u{feff}{cube}").into()),
@@ -53,7 +64,14 @@ fn dialects_are_read() {
         ("tabs", cube.replace(' ', "\t ").replace('\n', "  \n  ").into()),
         ("capitals", cube.to_uppercase().into()),
         ("fo", cube.replace("f ", "fo ").into()),
-        ("numbers", (vertices(|_, c| { let [x, y, z] = c.map(|x| format!("+{x}.0E+00")); format!("v {x} {y} {z}") }) + &counted()).into()),
+        (
+            "numbers",
+            (vertices(|_, c| {
+                let [x, y, z] = c.map(|x| format!("+{x}.0E+00"));
+                format!("v {x} {y} {z}")
+            }) + &counted())
+                .into(),
+        ),
         ("no end of line", cube.trim_end().into()),
     ];
     for (what, bytes) in cases {
@@ -119,12 +137,26 @@ fn what_a_face_names_must_be_there() {
 /// Prisms on outlines, each from any of its corners.
 #[test]
 fn concave_faces_keep_their_area() {
-    let cases: [(&str, &[[f64; 2]], f64, f32, f32); 4] = [
+    type Case<'a> = (&'a str, &'a [[f64; 2]], f64, f32, f32);
+    let cases: [Case<'_>; 4] = [
         ("L", &[[0.0, 0.0], [3.0, 0.0], [3.0, 1.0], [1.0, 1.0], [1.0, 3.0], [0.0, 3.0]], 2.0, 10.0, 34.0),
         ("dart", &[[0.0, 0.0], [2.0, 1.0], [0.0, 2.0], [1.0, 1.0]], 3.0, 3.0, 23.9017),
         (
             "plus",
-            &[[1.0, 0.0], [2.0, 0.0], [2.0, 1.0], [3.0, 1.0], [3.0, 2.0], [2.0, 2.0], [2.0, 3.0], [1.0, 3.0], [1.0, 2.0], [0.0, 2.0], [0.0, 1.0], [1.0, 1.0]],
+            &[
+                [1.0, 0.0],
+                [2.0, 0.0],
+                [2.0, 1.0],
+                [3.0, 1.0],
+                [3.0, 2.0],
+                [2.0, 2.0],
+                [2.0, 3.0],
+                [1.0, 3.0],
+                [1.0, 2.0],
+                [0.0, 2.0],
+                [0.0, 1.0],
+                [1.0, 1.0],
+            ],
             1.0,
             5.0,
             22.0,
@@ -139,8 +171,9 @@ fn concave_faces_keep_their_area() {
     }
     let star: Vec<[f64; 2]> = (0..10)
         .map(|i| {
-            let (radius, angle) = (if i % 2 == 0 { 3.0 } else { 1.0 }, f64::from(i) * 0.2 * std::f64::consts::PI);
-            [radius * angle.sin(), radius * angle.cos()]
+            let (radius, angle) =
+                (if i % 2 == 0 { 3.0 } else { 1.0 }, f64::from(i) * 0.2 * std::f64::consts::PI);
+            [radius * angle.cos(), radius * angle.sin()]
         })
         .collect();
     for start in 0..10 {
@@ -180,7 +213,8 @@ fn round_caps_are_read_in_no_time() {
             [angle.cos(), angle.sin()]
         })
         .collect();
-    let mesh = is(read(prism(&outline, 1.0, 7)), std::f32::consts::PI, 4.0 * std::f32::consts::PI, "cylinder");
+    let mesh =
+        is(read(prism(&outline, 1.0, 7)), std::f32::consts::PI, 4.0 * std::f32::consts::PI, "cylinder");
     assert_eq!(mesh.triangles().len(), 2 * 2998 + 2 * 3000);
 }
 

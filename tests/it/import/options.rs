@@ -7,8 +7,10 @@ use treesynth::glam::{DVec3, Vec3};
 use treesynth::shape::{Import, MeshFormat, TriangleMesh, UpAxis};
 
 fn cube(place: impl Fn(usize, u8) -> String) -> String {
-    let vertices = CORNERS.iter().map(|c| format!("v {} {} {}\n", place(0, c[0]), place(1, c[1]), place(2, c[2])));
-    let faces = FACES.iter().map(|face| format!("f {}\n", face.map(|corner| (corner + 1).to_string()).join(" ")));
+    let vertices =
+        CORNERS.iter().map(|c| format!("v {} {} {}\n", place(0, c[0]), place(1, c[1]), place(2, c[2])));
+    let faces =
+        FACES.iter().map(|face| format!("f {}\n", face.map(|corner| (corner + 1).to_string()).join(" ")));
     vertices.chain(faces).collect()
 }
 
@@ -46,7 +48,11 @@ fn models_stand_up_and_are_in_metres() {
         refused(read(Import::default().with_unit(unit), &text), &["Import.unit", "1e-9 to 1e9"], "unit");
     }
     for bad in [f64::NAN, f64::INFINITY, 1e13] {
-        refused(read(Import::default().with_offset(DVec3::X * bad), &text), &["Import.offset", "1e12"], "offset");
+        refused(
+            read(Import::default().with_offset(DVec3::X * bad), &text),
+            &["Import.offset", "1e12"],
+            "offset",
+        );
     }
 }
 
@@ -55,16 +61,29 @@ fn any_size_and_any_shape_is_a_solid() {
     for scale in [1e-8, 1e-6, 1e-4, 1.0, 1e3, 4e5] {
         let text = cube(|_, x| (f64::from(x) * scale).to_string());
         let volume = (8.0 * scale * scale * scale) as f32;
-        is(TriangleMesh::read_obj(text.as_bytes()), volume, (24.0 * scale * scale) as f32, &format!("{scale}"));
+        is(
+            TriangleMesh::read_obj(text.as_bytes()),
+            volume,
+            (24.0 * scale * scale) as f32,
+            &format!("{scale}"),
+        );
     }
     let text = cube(|_, x| (f64::from(x) * 6e5).to_string());
     refused(TriangleMesh::read_obj(text.as_bytes()), &["1200000", "1e6"], "too large");
     // A wire of 100 m and 1 mm, a plate of 1 km and 2 cm.
-    for (sizes, what) in [([100.0, 0.001, 0.001], "wire"), ([1000.0, 0.02, 1000.0], "plate"), ([0.001, 100.0, 0.002], "ribbon")] {
+    for (sizes, what) in [
+        ([100.0, 0.001, 0.001], "wire"),
+        ([1000.0, 0.02, 1000.0], "plate"),
+        ([0.001, 100.0, 0.002], "ribbon"),
+    ] {
         let text = cube(|axis, x| (f64::from(x / 2) * sizes[axis]).to_string());
         let mesh = TriangleMesh::read_obj(text.as_bytes()).unwrap_or_else(|error| panic!("{what}: {error}"));
         let volume = (sizes[0] * sizes[1] * sizes[2]) as f32;
-        assert!((mesh.volume() / volume - 1.0).abs() < 1e-3 && mesh.flaws().is_none(), "{what}: {}", mesh.volume());
+        assert!(
+            (mesh.volume() / volume - 1.0).abs() < 1e-3 && mesh.flaws().is_none(),
+            "{what}: {}",
+            mesh.volume()
+        );
         assert!(mesh.contains(mesh.bounds().center()) && !mesh.contains(mesh.bounds().max * 1.01), "{what}");
     }
 }
@@ -106,5 +125,8 @@ fn heights_are_checked() {
         assert!(error.contains("TriangleMesh.base"), "{base}: {error}");
     }
     let fitted = mesh.fitted(-1.0, 4.0).unwrap();
-    assert_eq!((fitted.bounds().min, fitted.bounds().max), (Vec3::new(-2.0, -1.0, -2.0), Vec3::new(2.0, 3.0, 2.0)));
+    assert_eq!(
+        (fitted.bounds().min, fitted.bounds().max),
+        (Vec3::new(-2.0, -1.0, -2.0), Vec3::new(2.0, 3.0, 2.0))
+    );
 }

@@ -10,13 +10,20 @@ fn read(bytes: impl AsRef<[u8]>) -> Read {
 const XYZ: &str = "property float x\nproperty float y\nproperty float z\n";
 const LIST: &str = "property list uchar int vertex_indices\n";
 
-fn text_of(vertex: &str, face: &str, vertices: impl Fn([u8; 3]) -> String, faces: impl Fn([usize; 4]) -> String) -> String {
+fn text_of(
+    vertex: &str,
+    face: &str,
+    vertices: impl Fn([u8; 3]) -> String,
+    faces: impl Fn([usize; 4]) -> String,
+) -> String {
     let body: String = CORNERS
         .iter()
         .map(|corner| vertices(*corner) + "\n")
         .chain(FACES.iter().map(|face| faces(*face) + "\n"))
         .collect();
-    format!("ply\nformat ascii 1.0\ncomment own file\nelement vertex 8\n{vertex}element face 6\n{face}end_header\n{body}")
+    format!(
+        "ply\nformat ascii 1.0\ncomment own file\nelement vertex 8\n{vertex}element face 6\n{face}end_header\n{body}"
+    )
 }
 
 fn plain(corner: [u8; 3]) -> String {
@@ -43,12 +50,24 @@ fn texts_are_read_as_they_are_written() {
         ("NaN", with(&quality, |c| plain(c) + " NaN").into()),
         ("-inf", with(&quality, |c| plain(c) + " -inf").into()),
         ("-nan(ind)", with(&quality, |c| plain(c) + " -nan(ind)").into()),
-        ("odd names", with(&format!("{XYZ}property float scalar_Roughness_(0.01)\n"), |c| plain(c) + " 0.5").into()),
-        ("names of words", with(&format!("{XYZ}property float scalar Roughness (m)\n"), |c| plain(c) + " 0.5").into()),
+        (
+            "odd names",
+            with(&format!("{XYZ}property float scalar_Roughness_(0.01)\n"), |c| plain(c) + " 0.5").into(),
+        ),
+        (
+            "names of words",
+            with(&format!("{XYZ}property float scalar Roughness (m)\n"), |c| plain(c) + " 0.5").into(),
+        ),
         ("another order", with(swapped, |[x, y, z]| format!("255 {z} {x} 2 7 nan {y}")).into()),
         ("exponents", with(XYZ, |c| c.map(|x| format!("{x}.0E+00")).join(" ")).into()),
         ("signs", with(XYZ, |c| c.map(|x| format!("+{x}.")).join(" ")).into()),
-        ("upper-case names", text.replace("float x", "float X").replace("float y", "float Y").replace("float z", "float Z").into()),
+        (
+            "upper-case names",
+            text.replace("float x", "float X")
+                .replace("float y", "float Y")
+                .replace("float z", "float Z")
+                .into(),
+        ),
         ("vertex_index", text.replace("vertex_indices", "vertex_index").into()),
         ("types by bits", text.replace("uchar int", "uint8 int32").replace("float", "float32").into()),
         ("blank lines", text.replace("4 4 6 7 5", "\n  \n4 4 6 7 5").into()),
@@ -62,8 +81,22 @@ fn texts_are_read_as_they_are_written() {
         ("one line", (text.clone() + "\n").replace("\n0 0 2\n", " 0 0 2 ").into()),
         ("comment in the body", text.replace("4 4 6 7 5", "comment here are faces\n4 4 6 7 5").into()),
         ("no end of line", text.trim_end().into()),
-        ("indices as fractions", text_of(XYZ, "property list uchar float vertex_indices\n", plain, |f| format!("4.0 {}", f.map(|c| format!("{c}.0")).join(" "))).into()),
-        ("edges between", text.replace("element face", "element edge 2\nproperty int vertex1\nproperty int vertex2\nelement face").replace("2 2 2\n", "2 2 2\n0 1\n1 2\n").into()),
+        (
+            "indices as fractions",
+            text_of(XYZ, "property list uchar float vertex_indices\n", plain, |f| {
+                format!("4.0 {}", f.map(|c| format!("{c}.0")).join(" "))
+            })
+            .into(),
+        ),
+        (
+            "edges between",
+            text.replace(
+                "element face",
+                "element edge 2\nproperty int vertex1\nproperty int vertex2\nelement face",
+            )
+            .replace("2 2 2\n", "2 2 2\n0 1\n1 2\n")
+            .into(),
+        ),
         ("elements of nothing", text.replace("element face", "element none 4294967296\nelement face").into()),
         ("faces first", {
             let faces: String = FACES.iter().map(|face| four(*face) + "\n").collect();
@@ -111,13 +144,13 @@ fn binary(coordinate: &str, count: &str, index: &str, big: bool, end: &str) -> V
         bytes.push(7);
     }
     for corner in CORNERS {
-        corner.iter().for_each(|&x| bytes.extend(number(coordinate, f64::from(x), big)));
+        bytes.extend(corner.iter().flat_map(|&x| number(coordinate, f64::from(x), big)));
         bytes.push(0x0A);
     }
     for face in FACES {
         bytes.push(0x0D);
         bytes.extend(number(count, 4.0, big));
-        face.iter().for_each(|&corner| bytes.extend(number(index, corner as f64, big)));
+        bytes.extend(face.iter().flat_map(|&corner| number(index, corner as f64, big)));
         bytes.push(1);
         bytes.extend(number("float", 0.5, big));
     }
@@ -160,7 +193,7 @@ fn counts_are_not_believed() {
     let at = long.len() - 4 - 6 * (1 + 4 + 16 + 1 + 4) + 1;
     long[at..at + 4].copy_from_slice(&u32::MAX.to_le_bytes());
     refused(read(long), &["PLY, byte", "cut short"], "a list without end");
-    for end in [10, 50, 100, 200, 300] {
+    for end in [10, 50, 100, 150, 200] {
         assert!(read(&binary("float", "uchar", "int", false, "\n")[..end]).is_err());
         refused(read(&text()[..text().len() - end]), &["PLY"], "cut");
     }
@@ -170,8 +203,16 @@ fn counts_are_not_believed() {
 fn what_is_missing_is_named() {
     let text = text();
     let bent = |from: &str, to: &str, words: &[&str]| refused(read(text.replace(from, to)), words, to);
-    bent("element face 6\nproperty list uchar int vertex_indices", "element tristrips 6\nproperty list int int vertex_indices", &["PLY", "face", "\"tristrips\""]);
-    bent("element face 6\nproperty list uchar int vertex_indices", "element edge 6\nproperty list int int vertex_indices", &["PLY", "face", "\"edge\""]);
+    bent(
+        "element face 6\nproperty list uchar int vertex_indices",
+        "element tristrips 6\nproperty list int int vertex_indices",
+        &["PLY", "face", "\"tristrips\""],
+    );
+    bent(
+        "element face 6\nproperty list uchar int vertex_indices",
+        "element edge 6\nproperty list int int vertex_indices",
+        &["PLY", "face", "\"edge\""],
+    );
     bent("element vertex 8", "element point 8", &["PLY", "vertex", "\"point\""]);
     bent("float z", "float w", &["PLY", "x, y and z", "\"w\""]);
     bent("vertex_indices", "corners", &["PLY", "vertex_indices", "\"corners\""]);
@@ -192,7 +233,13 @@ fn what_is_missing_is_named() {
     bent("4 0 1 3 2", "-4 0 1 3 2", &["PLY, line 19", "\"-4\""]);
     refused(read(""), &["PLY", "empty"], "empty");
     refused(read(b"\x1f\x8b\x08\0\0"), &["PLY", "1f 8b", "unpacked"], "gzip");
-    refused(read("ply\nformat ascii 1.0\nelement vertex 0\nproperty float x\nproperty float y\nproperty float z\nelement face 0\nproperty list uchar int vertex_indices\nend_header\n"), &["no triangle"], "nothing");
+    refused(
+        read(
+            "ply\nformat ascii 1.0\nelement vertex 0\nproperty float x\nproperty float y\nproperty float z\nelement face 0\nproperty list uchar int vertex_indices\nend_header\n",
+        ),
+        &["no triangle"],
+        "nothing",
+    );
 }
 
 #[test]
@@ -201,14 +248,20 @@ fn concave_faces_keep_their_area() {
     for start in 0..6 {
         let mut body = String::new();
         for z in [0, 2] {
-            outline.iter().for_each(|[x, y]| body += &format!("{x} {y} {z}\n"));
+            for [x, y] in outline {
+                body += &format!("{x} {y} {z}\n");
+            }
         }
         let cap: Vec<usize> = (0..6).map(|i| (start + i) % 6).collect();
-        let list = |corners: Vec<usize>| corners.iter().fold(corners.len().to_string(), |text, c| format!("{text} {c}")) + "\n";
+        let list = |corners: Vec<usize>| {
+            corners.iter().fold(corners.len().to_string(), |text, c| format!("{text} {c}")) + "\n"
+        };
         body += &list(cap.iter().map(|c| c + 6).collect());
         body += &list(cap.iter().rev().copied().collect());
         (0..6).for_each(|i| body += &list(vec![i, (i + 1) % 6, (i + 1) % 6 + 6, i + 6]));
-        let text = format!("ply\nformat ascii 1.0\nelement vertex 12\n{XYZ}element face 8\n{LIST}end_header\n{body}");
+        let text = format!(
+            "ply\nformat ascii 1.0\nelement vertex 12\n{XYZ}element face 8\n{LIST}end_header\n{body}"
+        );
         is(read(text), 10.0, 34.0, "L");
     }
 }

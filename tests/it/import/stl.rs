@@ -71,7 +71,7 @@ fn all_solids_of_a_file_are_one_model() {
     let two = tetrahedron("a", 0).replace("endsolid a\n", "") + &tetrahedron("b", 3);
     is(read(two), 1.0 / 3.0, 4.732, "one end");
     let cut = tetrahedron("a", 0);
-    refused(read(&cut[..cut.len() - 11]), &["STL, line 28", "endsolid", "cut short"], "no end");
+    refused(read(&cut[..cut.len() - 11]), &["STL, line 29", "endsolid", "cut short"], "no end");
     for end in [100, 200, 300] {
         refused(read(&cut[..end]), &["STL, line"], "cut");
     }
@@ -89,14 +89,21 @@ fn a_text_may_begin_in_many_ways() {
         ("first in capitals", begins("SOLID a\n").into()),
         ("blank line first", (String::from("\n \n") + &plain).into()),
         ("byte order mark", (String::from("\u{feff}") + &plain).into()),
-        ("Latin-1", [b"solid B\xE4ume\n", plain[8..].as_bytes()].concat()),
+        ("Latin-1", [b"solid B\xE4ume\n", &plain.as_bytes()[8..]].concat()),
         ("tab", begins("solid\ta\n").into()),
         ("CR LF", plain.replace('\n', "\r\n").into()),
         ("CR", plain.replace('\n', "\r").into()),
         ("indented", indented.into()),
         ("comment", begins("solid a ; made by\ncolor 0.5 0.5 0.5\n").into()),
         ("no end of line", plain.trim_end().into()),
-        ("one line", plain.replace("solid a\n", "solid a\r").replace('\n', " ").replace("endsolid a\r", "\nendsolid").into()),
+        (
+            "one line",
+            plain
+                .replace("solid a\n", "solid a\r")
+                .replace('\n', " ")
+                .replace("endsolid a\r", "\nendsolid")
+                .into(),
+        ),
         ("end loop", plain.replace("endloop", "end loop").replace("endfacet", "end facet").into()),
         ("no normals", plain.replace(" normal 0 0 0", "").into()),
     ];
@@ -107,7 +114,9 @@ fn a_text_may_begin_in_many_ways() {
 
 #[test]
 fn normals_do_not_matter() {
-    for normal in ["nan nan nan", "-nan(ind) -nan(ind) 1.#QNAN", "inf 0 0", "0,0 0,0 1,0", "1e999 0 0", "0 0 0"] {
+    for normal in
+        ["nan nan nan", "-nan(ind) -nan(ind) 1.#QNAN", "inf 0 0", "0,0 0,0 1,0", "1e999 0 0", "0 0 0"]
+    {
         is_cube(read(text(normal)), normal);
     }
     for normal in [f32::NAN, f32::INFINITY] {
@@ -121,7 +130,8 @@ fn normals_do_not_matter() {
 
 #[test]
 fn numbers_are_those_of_c() {
-    let with = |coordinate: fn(u8) -> String| read(format!("solid a\n{}endsolid\n", facets("0 0 0", coordinate)));
+    let with =
+        |coordinate: fn(u8) -> String| read(format!("solid a\n{}endsolid\n", facets("0 0 0", coordinate)));
     is_cube(with(|x| format!("{x}.000000E+00")), "exponents");
     is_cube(with(|x| format!("+{x}.")), "signs, no fraction");
     is_cube(with(|x| if x == 0 { "-0.0".into() } else { "2".into() }), "minus zero");
@@ -144,7 +154,11 @@ fn numbers_are_those_of_c() {
         squares += "endloop\nendfacet\n";
     }
     is_cube(read(squares + "endsolid"), "squares");
-    refused(read("solid\nfacet\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nendloop\nendfacet\nendsolid"), &["line 6", "2 vertices"], "two corners");
+    refused(
+        read("solid\nfacet\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nendloop\nendfacet\nendsolid"),
+        &["line 6", "2 vertices"],
+        "two corners",
+    );
 }
 
 #[test]
@@ -165,7 +179,11 @@ fn counts_are_not_believed() {
     is_cube(read(count(u32::MAX)), "never filled in either");
     is_cube(read(count(6)), "too few");
     is_cube(read([count(12), vec![7; 126]].concat()), "more after it");
-    refused(read(&count(12)[..564]), &["STL, byte 80", "12 triangles", "684 bytes", "has 564", "cut short"], "cut");
+    refused(
+        read(&count(12)[..564]),
+        &["STL, byte 80", "12 triangles", "684 bytes", "has 564", "cut short"],
+        "cut",
+    );
     refused(read(count(4_294_967_294)), &["STL, byte 80", "4294967294"], "too many");
     refused(read([0; 83]), &["STL, byte 0", "83 bytes"], "shorter than a header");
     refused(read(&count(12)[..109]), &["STL, byte 80"], "half a triangle");

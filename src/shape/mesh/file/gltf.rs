@@ -16,8 +16,9 @@ use super::text::{BYTE_ORDER_MARK, quoted, stranger};
 use super::{MeshFormat, unreadable};
 use crate::shape::TriangleMeshError;
 
-/// Instances and nodes that share a mesh may make more triangles than the file has bytes; so many at most.
-const MOST_TRIANGLES: usize = 100_000_000;
+/// Instances and nodes that share a mesh may make more vertices and corners than the file has bytes; so many at most, or as
+/// many as the file has bytes.
+const MOST_CORNERS: usize = 30_000_000;
 
 /// The deepest tree of nodes.
 const DEEPEST: usize = 10_000;
@@ -27,7 +28,11 @@ const STRIP: u64 = 5;
 const FAN: u64 = 6;
 
 /// `folder` is where buffers beside the file are; without it they are refused.
-pub(super) fn read(mut reader: impl BufRead, folder: Option<&Path>, soup: &mut Soup) -> Result<(), TriangleMeshError> {
+pub(super) fn read(
+    mut reader: impl BufRead,
+    folder: Option<&Path>,
+    soup: &mut Soup,
+) -> Result<(), TriangleMeshError> {
     let mut bytes = Vec::new();
     reader.read_to_end(&mut bytes).map_err(|error| fault("byte 0", error))?;
     if bytes.is_empty() {
@@ -39,7 +44,8 @@ pub(super) fn read(mut reader: impl BufRead, folder: Option<&Path>, soup: &mut S
     let (text, binary) = if bytes.starts_with(b"glTF") { chunks(&bytes)? } else { (&bytes[..], None) };
     let text = text.strip_prefix(BYTE_ORDER_MARK).unwrap_or(text);
     if text.iter().find(|byte| !byte.is_ascii_whitespace()) != Some(&b'{') {
-        let problem = format!("the file begins with {}, but must begin with \"glTF\" or \"{{\"", quoted(text));
+        let problem =
+            format!("the file begins with {}, but must begin with \"glTF\" or \"{{\"", quoted(text));
         return Err(fault("byte 0", problem));
     }
     let document: Document = serde_json::from_slice(text).map_err(|error| {
@@ -48,7 +54,8 @@ pub(super) fn read(mut reader: impl BufRead, folder: Option<&Path>, soup: &mut S
     })?;
     document.check()?;
     let buffers = Buffers::new(&document, binary, folder)?;
-    let mut scene = Scene { document: &document, buffers: &buffers, soup, triangles: 0 };
+    let left = MOST_CORNERS.max(bytes.len());
+    let mut scene = Scene { document: &document, buffers: &buffers, soup, left };
     scene.read()
 }
 
@@ -58,7 +65,8 @@ fn fault(place: impl std::fmt::Display, problem: impl std::fmt::Display) -> Tria
 
 /// The JSON chunk and the binary one of a `.glb` file.
 fn chunks(bytes: &[u8]) -> Result<(&[u8], Option<&[u8]>), TriangleMeshError> {
-    let word = |at: usize| bytes.get(at..at + 4).map(|word| u32::from_le_bytes(word.try_into().unwrap_or_default()));
+    let word =
+        |at: usize| bytes.get(at..at + 4).map(|word| u32::from_le_bytes(word.try_into().unwrap_or_default()));
     let cut = |at: usize| fault(format_args!("byte {at}"), "the file ends within a chunk: it is cut short");
     let version = word(4).ok_or_else(|| cut(4))?;
     if version != 2 {
@@ -67,7 +75,8 @@ fn chunks(bytes: &[u8]) -> Result<(&[u8], Option<&[u8]>), TriangleMeshError> {
     let (mut at, mut text, mut binary) = (12, None, None);
     while let Some(length) = word(at) {
         let kind = word(at + 4).ok_or_else(|| cut(at))?;
-        let chunk = bytes.get(at + 8..).and_then(|rest| rest.get(..length as usize)).ok_or_else(|| cut(at))?;
+        let chunk =
+            bytes.get(at + 8..).and_then(|rest| rest.get(..length as usize)).ok_or_else(|| cut(at))?;
         match kind {
             0x4E4F_534A => text = text.or(Some(chunk)),
             0x004E_4942 => binary = binary.or(Some(chunk)),
@@ -82,14 +91,18 @@ struct Scene<'a> {
     document: &'a Document,
     buffers: &'a Buffers<'a>,
     soup: &'a mut Soup,
-    triangles: usize,
+    /// Vertices and corners that may still come.
+    left: usize,
 }
 
 impl Scene<'_> {
     fn read(&mut self) -> Result<(), TriangleMeshError> {
         let nodes = &self.document.nodes;
         if nodes.is_empty() {
-            return (0..self.document.meshes.len()).try_for_each(|mesh| self.mesh(mesh, DMat4::IDENTITY));
+            return (0..self.document.meshes.len()).try_for_each(|mesh| {
+                self.afford(mesh, 1)?;
+                self.mesh(mesh, DMat4::IDENTITY)
+            });
         }
         let mut seen = vec![false; nodes.len()];
         let mut waiting: Vec<(usize, DMat4, usize)> =
@@ -97,7 +110,8 @@ impl Scene<'_> {
         waiting.reverse();
         while let Some((number, above, depth)) = waiting.pop() {
             let place = format!("node {number}");
-            let node = nodes.get(number).ok_or_else(|| fault(&place, format!("there are {} nodes", nodes.len())))?;
+            let node =
+                nodes.get(number).ok_or_else(|| fault(&place, format!("there are {} nodes", nodes.len())))?;
             if std::mem::replace(&mut seen[number], true) {
                 return Err(fault(place, "it has two parents, or is its own ancestor; nodes must be a tree"));
             }
@@ -114,8 +128,15 @@ impl Scene<'_> {
     }
 
     /// A node's mesh, once or at each of its instances.
-    fn stand(&mut self, mesh: usize, node: &Node, number: usize, matrix: DMat4) -> Result<(), TriangleMeshError> {
+    fn stand(
+        &mut self,
+        mesh: usize,
+        node: &Node,
+        number: usize,
+        matrix: DMat4,
+    ) -> Result<(), TriangleMeshError> {
         let Some(instances) = node.extensions.as_ref().and_then(|all| all.instancing.as_ref()) else {
+            self.afford(mesh, 1)?;
             // Joints place a mesh with a skin, and its node does not.
             let matrix = if node.skin.is_some() { DMat4::IDENTITY } else { matrix };
             return self.mesh(mesh, matrix);
@@ -131,14 +152,19 @@ impl Scene<'_> {
         let mut counts = counts.into_iter().filter_map(|(array, width)| Some(array.as_ref()?.len() / width));
         let count = counts.next().unwrap_or(0);
         if counts.any(|other| other != count) {
-            return Err(fault(place, "its instances have translations, rotations and scales of different counts"));
+            return Err(fault(
+                place,
+                "its instances have translations, rotations and scales of different counts",
+            ));
         }
+        self.afford(mesh, count)?;
         for i in 0..count {
             let vector = |array: &Option<Vec<f64>>, otherwise: DVec3| {
                 array.as_ref().map_or(otherwise, |array| DVec3::from_slice(&array[3 * i..]))
             };
-            let rotation =
-                rotations.as_ref().map_or(DQuat::IDENTITY, |array| document::rotation(&array[4 * i..4 * i + 4]));
+            let rotation = rotations
+                .as_ref()
+                .map_or(DQuat::IDENTITY, |array| document::rotation(&array[4 * i..4 * i + 4]));
             let instance = DMat4::from_scale_rotation_translation(
                 vector(&scales, DVec3::ONE),
                 rotation,
@@ -149,15 +175,41 @@ impl Scene<'_> {
         Ok(())
     }
 
+    /// Counts so many copies of a mesh.
+    fn afford(&mut self, mesh: usize, copies: usize) -> Result<(), TriangleMeshError> {
+        let count = |accessor: Option<usize>| {
+            accessor
+                .and_then(|accessor| self.document.accessors.get(accessor))
+                .map_or(0, |accessor| accessor.count)
+        };
+        let primitives = self.document.meshes.get(mesh).map_or(&[][..], |mesh| &mesh.primitives);
+        let each = primitives.iter().fold(0_usize, |sum, primitive| {
+            sum.saturating_add(count(primitive.attributes.position)).saturating_add(count(primitive.indices))
+        });
+        let left = self.left.checked_sub(each.saturating_mul(copies));
+        self.left = left.ok_or_else(|| {
+            let problem = format!(
+                "its {copies} copies of {each} vertices and indices are more than {MOST_CORNERS} in all"
+            );
+            fault(format_args!("mesh {mesh}"), problem)
+        })?;
+        Ok(())
+    }
+
     fn mesh(&mut self, number: usize, matrix: DMat4) -> Result<(), TriangleMeshError> {
         let meshes = &self.document.meshes;
-        let mesh = meshes
-            .get(number)
-            .ok_or_else(|| fault(format_args!("mesh {number}"), format!("there are {} meshes", meshes.len())))?;
+        let mesh = meshes.get(number).ok_or_else(|| {
+            fault(format_args!("mesh {number}"), format!("there are {} meshes", meshes.len()))
+        })?;
         mesh.primitives.iter().try_for_each(|primitive| self.primitive(primitive, number, matrix))
     }
 
-    fn primitive(&mut self, primitive: &Primitive, mesh: usize, matrix: DMat4) -> Result<(), TriangleMeshError> {
+    fn primitive(
+        &mut self,
+        primitive: &Primitive,
+        mesh: usize,
+        matrix: DMat4,
+    ) -> Result<(), TriangleMeshError> {
         let place = format!("mesh {mesh}");
         let mode = primitive.mode.unwrap_or(TRIANGLES);
         let (Some(positions), TRIANGLES..=FAN) = (primitive.attributes.position, mode) else { return Ok(()) };
@@ -167,15 +219,13 @@ impl Scene<'_> {
         let first = self.soup.positions.len();
         let corners = indices.as_ref().map_or(count, Vec::len);
         let triangles = if mode == TRIANGLES { corners / 3 } else { corners.saturating_sub(2) };
-        self.triangles += triangles;
-        if self.triangles > MOST_TRIANGLES || first + count > 3 * MOST_TRIANGLES {
-            let problem = format!("its copies make more than {MOST_TRIANGLES} triangles");
-            return Err(fault(place, problem));
-        }
         for position in numbers.chunks_exact(3) {
             let position = matrix.transform_point3(DVec3::from_slice(position));
             if !position.is_finite() {
-                return Err(fault(place, format!("it has a vertex at {position}, but positions must be finite")));
+                return Err(fault(
+                    place,
+                    format!("it has a vertex at {position}, but positions must be finite"),
+                ));
             }
             self.soup.positions.push(position);
         }

@@ -120,7 +120,11 @@ impl Import {
     ///
     /// # Errors
     /// An option out of range; what cannot be read, by the line or byte; and as [`TriangleMesh::new`].
-    pub fn read(&self, format: MeshFormat, reader: impl Read + Seek) -> Result<TriangleMesh, TriangleMeshError> {
+    pub fn read(
+        &self,
+        format: MeshFormat,
+        reader: impl Read + Seek,
+    ) -> Result<TriangleMesh, TriangleMeshError> {
         self.check()?;
         let mut soup = Soup::default();
         match format {
@@ -139,7 +143,8 @@ impl Import {
     /// As [`read`](Self::read), with the file's name; another ending; a file that cannot be opened.
     pub fn open(&self, path: impl AsRef<Path>) -> Result<TriangleMesh, TriangleMeshError> {
         let path = path.as_ref();
-        let named = |error: TriangleMeshError| TriangleMeshError::File(format!("{}: {error}", path.display()));
+        let named =
+            |error: TriangleMeshError| TriangleMeshError::File(format!("{}: {error}", path.display()));
         let Some(format) = MeshFormat::of(path) else {
             let problem = "its name must end in .obj, .stl, .ply, .glb or .gltf".to_owned();
             return Err(named(TriangleMeshError::File(problem)));
@@ -219,6 +224,10 @@ impl TriangleMesh {
 }
 
 /// Why a file cannot be read: the kind of file, the place in it, what was found and what would do.
-fn unreadable(format: MeshFormat, place: impl std::fmt::Display, problem: impl std::fmt::Display) -> TriangleMeshError {
+fn unreadable(
+    format: MeshFormat,
+    place: impl std::fmt::Display,
+    problem: impl std::fmt::Display,
+) -> TriangleMeshError {
     TriangleMeshError::File(format!("{}, {place}: {problem}", format.name()))
 }

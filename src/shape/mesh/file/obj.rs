@@ -124,11 +124,15 @@ fn corner(word: &[u8], counts: &Counts) -> Result<i64, String> {
             _ => format!("but must be from -{count} to -1, or from 1"),
         };
         if !whole {
-            return Err(format!("a face has the corner {}, but must name a {kind} line by a whole number", quoted(word)));
+            return Err(format!(
+                "a face has the corner {}, but must name a {kind} line by a whole number",
+                quoted(word)
+            ));
         }
         let value = std::str::from_utf8(part).ok().and_then(|text| text.parse::<i64>().ok());
         let value = value.filter(|&value| value != 0 && (-count..=i64::from(u32::MAX)).contains(&value));
-        let value = value.ok_or_else(|| format!("a face names the {kind} line {}, {}", quoted(part), range()))?;
+        let value =
+            value.ok_or_else(|| format!("a face names the {kind} line {}, {}", quoted(part), range()))?;
         Ok(if value < 0 { count + value + 1 } else { value })
     };
     let vertex = absolute(parts.next().unwrap_or_default(), "v", counts.positions)?;

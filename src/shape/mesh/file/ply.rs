@@ -73,7 +73,10 @@ fn read_vertices(
     soup: &mut Soup,
 ) -> Result<(), TriangleMeshError> {
     if element.count > u64::from(u32::MAX) {
-        return Err(fault("header", format!("{} vertices, but at most 4,294,967,295 can be named", element.count)));
+        return Err(fault(
+            "header",
+            format!("{} vertices, but at most 4,294,967,295 can be named", element.count),
+        ));
     }
     for number in 0..element.count {
         let mut position = DVec3::ZERO;
@@ -109,7 +112,12 @@ fn read_faces<R: BufRead>(
                     for _ in 0..values.whole(count, "a face's number of corners")? {
                         let index = values.whole(item, "a face's vertex")?;
                         let index = u32::try_from(index).map_err(|_| {
-                            fault(values.place(), format!("face {number} names the vertex {index}, but at most 4,294,967,295 can be"))
+                            fault(
+                                values.place(),
+                                format!(
+                                    "face {number} names the vertex {index}, but at most 4,294,967,295 can be"
+                                ),
+                            )
                         })?;
                         see(index, values);
                         soup.corner(index);

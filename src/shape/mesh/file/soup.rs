@@ -47,7 +47,11 @@ impl Soup {
     }
 
     /// What the polygons enclose, upright, in metres, near the origin.
-    pub(super) fn solid(mut self, format: MeshFormat, import: &Import) -> Result<TriangleMesh, TriangleMeshError> {
+    pub(super) fn solid(
+        mut self,
+        format: MeshFormat,
+        import: &Import,
+    ) -> Result<TriangleMesh, TriangleMeshError> {
         let (mut low, mut high) = (DVec3::INFINITY, DVec3::NEG_INFINITY);
         for position in &mut self.positions {
             let [x, y, z] = ((*position + import.offset) * import.unit).to_array();
@@ -61,8 +65,9 @@ impl Soup {
         let (mut rounding, mut positions) = (0.0_f64, Vec::with_capacity(self.positions.len()));
         for (vertex, &position) in self.positions.iter().enumerate() {
             if !position.abs().cmple(DVec3::splat(LARGEST.into())).all() {
-                let problem =
-                    format!("{position}, but positions must be from -1e6 to 1e6 metres on every axis; {hint}");
+                let problem = format!(
+                    "{position}, but positions must be from -1e6 to 1e6 metres on every axis; {hint}"
+                );
                 return Err(unreadable(format, format_args!("vertex {vertex}"), problem));
             }
             let rounded: Vec3 = position.as_vec3();
@@ -77,10 +82,24 @@ impl Soup {
             return Err(unreadable(format, "positions", problem));
         }
         let mut triangles: Vec<[u32; 3]> = Vec::with_capacity(self.ends.len());
-        let (mut start, mut places) = (0, Vec::new());
+        let (mut start, mut places, mut distinct) = (0, Vec::new(), Vec::new());
         for &end in &self.ends {
-            let corners = &self.corners[start..end as usize];
+            let all = &self.corners[start..end as usize];
             start = end as usize;
+            let mut corners = all;
+            if all.len() > 3 {
+                // Corners that follow each other in one place are one.
+                let place = |corner: &u32| self.positions.get(*corner as usize);
+                distinct.clear();
+                distinct.extend_from_slice(all);
+                distinct.dedup_by(|a, b| place(a) == place(b));
+                while distinct.len() > 1
+                    && distinct.first().and_then(place) == distinct.last().and_then(place)
+                {
+                    distinct.pop();
+                }
+                corners = &distinct;
+            }
             if let &[a, b, c] = corners {
                 triangles.push([a, b, c]);
                 continue;

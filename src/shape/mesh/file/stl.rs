@@ -1,7 +1,7 @@
 //! STL, binary and text.
 //!
 //! Binary: a header of 80 bytes, a count, and 50 bytes a triangle. Text: solids of facets, each with a loop of vertices;
-//! readers in use take keywords in any case and names of any bytes. Specification: the StereoLithography Interface
+//! readers in use take keywords in any case and names of any bytes. Specification: the `StereoLithography` Interface
 //! Specification of 3D Systems, 1988, as <https://www.fabbers.com/tech/STL_Format> gives it.
 
 use std::io::{self, BufRead, BufReader, Read, Seek, SeekFrom};
@@ -25,7 +25,9 @@ pub(super) fn read(mut reader: impl Read + Seek, soup: &mut Soup) -> Result<(), 
         return Err(fault("byte 0", what));
     }
     let body = length.saturating_sub(HEADER);
-    let count = start.get(80..84).map_or(0, |bytes| u64::from(u32::from_le_bytes(bytes.try_into().unwrap_or_default())));
+    let count = start
+        .get(80..84)
+        .map_or(0, |bytes| u64::from(u32::from_le_bytes(bytes.try_into().unwrap_or_default())));
     let reader = BufReader::with_capacity(1 << 16, reader);
     // A text of 84 + 50 n bytes whose bytes 80 to 83 spell just that n would be of the petabytes.
     let exact = length >= HEADER && body == count * TRIANGLE;
@@ -110,7 +112,8 @@ fn text(reader: impl BufRead, soup: &mut Soup) -> Result<(), TriangleMeshError> 
         let mut rest = words(lines.line());
         while let Some(word) = rest.next() {
             let keyword = word.to_ascii_lowercase();
-            let closes = matches!(&keyword[..], b"endloop" | b"endfacet" | b"end" | b"facet" | b"solid" | b"endsolid");
+            let closes =
+                matches!(&keyword[..], b"endloop" | b"endfacet" | b"end" | b"facet" | b"solid" | b"endsolid");
             if closes && loose > 0 {
                 if loose < 3 {
                     return Err(fault(format!("a loop has {loose} vertices, but must have 3 or more")));
@@ -158,12 +161,19 @@ fn text(reader: impl BufRead, soup: &mut Soup) -> Result<(), TriangleMeshError> 
         return Err(fault(place, "the text ends within a facet: it is cut short"));
     }
     if !ended {
-        return Err(fault(place, format!("the text ends after {facets} facets without \"endsolid\": it is cut short")));
+        return Err(fault(
+            place,
+            format!("the text ends after {facets} facets without \"endsolid\": it is cut short"),
+        ));
     }
     Ok(())
 }
 
-fn vertex<'a>(rest: &mut impl Iterator<Item = &'a [u8]>, triangle: usize, facet: u64) -> Result<DVec3, String> {
+fn vertex<'a>(
+    rest: &mut impl Iterator<Item = &'a [u8]>,
+    triangle: usize,
+    facet: u64,
+) -> Result<DVec3, String> {
     let mut vertex = DVec3::ZERO;
     for axis in 0..3 {
         let word = rest.next().unwrap_or_default();

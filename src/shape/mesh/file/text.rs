@@ -79,7 +79,8 @@ pub(super) const BYTE_ORDER_MARK: &[u8] = b"\xEF\xBB\xBF";
 
 /// The words of a line; NUL counts as white space.
 pub(super) fn words(line: &[u8]) -> impl Iterator<Item = &[u8]> + Clone {
-    line.split(|&byte| byte.is_ascii_whitespace() || byte == 0 || byte == 0x0B).filter(|word| !word.is_empty())
+    line.split(|&byte| byte.is_ascii_whitespace() || byte == 0 || byte == 0x0B)
+        .filter(|word| !word.is_empty())
 }
 
 /// A number as C's `strtod` reads it in decimal.
@@ -107,7 +108,10 @@ pub(super) fn stranger(start: &[u8]) -> Option<&'static str> {
         (b"PK\x03\x04", "it begins with 50 4b 03 04: it is a zip archive and must be unpacked first"),
         (b"BZh", "it begins with 42 5a 68: it is compressed (bzip2) and must be unpacked first"),
         (b"\xFD7zXZ", "it begins with fd 37 7a 58: it is compressed (xz) and must be unpacked first"),
-        (b"\x28\xB5\x2F\xFD", "it begins with 28 b5 2f fd: it is compressed (zstd) and must be unpacked first"),
+        (
+            b"\x28\xB5\x2F\xFD",
+            "it begins with 28 b5 2f fd: it is compressed (zstd) and must be unpacked first",
+        ),
         (b"\xFF\xFE", "it begins with ff fe: it is UTF-16 text and must be saved as UTF-8"),
         (b"\xFE\xFF", "it begins with fe ff: it is UTF-16 text and must be saved as UTF-8"),
         (b"version https://git-lfs", "it is a pointer of git-lfs, not the file itself"),
@@ -115,7 +119,8 @@ pub(super) fn stranger(start: &[u8]) -> Option<&'static str> {
     if let Some((_, what)) = kinds.iter().find(|(magic, _)| start.starts_with(magic)) {
         return Some(what);
     }
-    let page = word.eq_ignore_ascii_case(b"<!doctype") || word.get(..5).is_some_and(|w| w.eq_ignore_ascii_case(b"<html"));
+    let page = word.eq_ignore_ascii_case(b"<!doctype")
+        || word.get(..5).is_some_and(|w| w.eq_ignore_ascii_case(b"<html"));
     page.then_some("it is a web page: perhaps the page about the file was saved in its place")
 }
 
@@ -132,7 +137,8 @@ mod tests {
             while lines.read()? {
                 found.push((lines.number(), lines.line().to_vec()));
             }
-            let want: [(u64, &[u8]); 6] = [(1, b"a b"), (2, b"c"), (3, b""), (4, b"d"), (5, b""), (6, b"\x00e")];
+            let want: [(u64, &[u8]); 6] =
+                [(1, b"a b"), (2, b"c"), (3, b""), (4, b"d"), (5, b""), (6, b"\x00e")];
             assert!(found.iter().map(|(n, l)| (*n, &l[..])).eq(want), "{size}: {found:?}");
         }
         Ok(())
@@ -140,7 +146,9 @@ mod tests {
 
     #[test]
     fn numbers_are_those_of_c() {
-        for (word, value) in [("+1", 1.0), (".5", 0.5), ("1.", 1.0), ("-1.0E+00", -1.0), ("1e400", f64::INFINITY)] {
+        for (word, value) in
+            [("+1", 1.0), (".5", 0.5), ("1.", 1.0), ("-1.0E+00", -1.0), ("1e400", f64::INFINITY)]
+        {
             assert_eq!(number(word.as_bytes()), Some(value), "{word}");
         }
         assert!(number(b"nan").is_some_and(f64::is_nan));

@@ -11,7 +11,7 @@ use crate::shape::TriangleMeshError;
 
 pub(super) struct Buffers<'a> {
     document: &'a Document,
-    buffers: Vec<Cow<'a, [u8]>>,
+    all: Vec<Cow<'a, [u8]>>,
     /// Bytes in all.
     bytes: usize,
 }
@@ -34,7 +34,7 @@ impl<'a> Buffers<'a> {
             buffers.push(bytes);
         }
         let bytes = buffers.iter().map(|buffer| buffer.len()).sum();
-        Ok(Self { document, buffers, bytes })
+        Ok(Self { document, all: buffers, bytes })
     }
 
     /// The numbers of an accessor, `width` to an element.
@@ -49,10 +49,16 @@ impl<'a> Buffers<'a> {
         let scalar = Scalar::of(accessor.component_type).map_err(fault)?;
         let mut numbers = match accessor.buffer_view {
             Some(view) => {
-                let bytes = self.elements(view, accessor.byte_offset, accessor.count, scalar.size() * width).map_err(fault)?;
+                let bytes = self
+                    .elements(view, accessor.byte_offset, accessor.count, scalar.size() * width)
+                    .map_err(fault)?;
                 let mut numbers = Vec::with_capacity(accessor.count * width);
                 for element in bytes {
-                    numbers.extend(element.chunks_exact(scalar.size()).map(|bytes| scalar.read(bytes, accessor.normalized)));
+                    numbers.extend(
+                        element
+                            .chunks_exact(scalar.size())
+                            .map(|bytes| scalar.read(bytes, accessor.normalized)),
+                    );
                 }
                 numbers
             }
@@ -62,13 +68,18 @@ impl<'a> Buffers<'a> {
         if let Some(sparse) = &accessor.sparse {
             let place = Scalar::of(sparse.indices.component_type).map_err(fault)?;
             let (indices, values) = (&sparse.indices, &sparse.values);
-            let indices = self.elements(indices.buffer_view, indices.byte_offset, sparse.count, place.size()).map_err(fault)?;
-            let values =
-                self.elements(values.buffer_view, values.byte_offset, sparse.count, scalar.size() * width).map_err(fault)?;
+            let indices = self
+                .elements(indices.buffer_view, indices.byte_offset, sparse.count, place.size())
+                .map_err(fault)?;
+            let values = self
+                .elements(values.buffer_view, values.byte_offset, sparse.count, scalar.size() * width)
+                .map_err(fault)?;
             for (index, value) in indices.zip(values) {
                 let index = place.read(index, false) as usize;
                 let target = index.checked_mul(width).and_then(|start| numbers.get_mut(start..start + width));
-                let target = target.ok_or_else(|| fault(format!("its sparse index is {index}, but it counts {}", accessor.count)))?;
+                let target = target.ok_or_else(|| {
+                    fault(format!("its sparse index is {index}, but it counts {}", accessor.count))
+                })?;
                 for (number, bytes) in target.iter_mut().zip(value.chunks_exact(scalar.size())) {
                     *number = scalar.read(bytes, accessor.normalized);
                 }
@@ -81,7 +92,10 @@ impl<'a> Buffers<'a> {
     pub(super) fn indices(&self, number: usize) -> Result<Vec<u64>, TriangleMeshError> {
         let accessor = self.accessor(number)?;
         if !matches!(accessor.component_type, 5121 | 5123 | 5125) {
-            let problem = format!("indices are of the type {}, but must be 5121, 5123 or 5125", accessor.component_type);
+            let problem = format!(
+                "indices are of the type {}, but must be 5121, 5123 or 5125",
+                accessor.component_type
+            );
             return Err(fault(format_args!("accessor {number}"), problem));
         }
         Ok(self.numbers(number, 1)?.into_iter().map(|index| index as u64).collect())
@@ -89,19 +103,33 @@ impl<'a> Buffers<'a> {
 
     fn accessor(&self, number: usize) -> Result<&'a Accessor, TriangleMeshError> {
         let accessors = &self.document.accessors;
-        let problem = || fault(format_args!("accessor {number}"), format!("there are {} accessors", accessors.len()));
+        let problem =
+            || fault(format_args!("accessor {number}"), format!("there are {} accessors", accessors.len()));
         accessors.get(number).ok_or_else(problem)
     }
 
     /// The bytes of each element of an accessor.
-    fn elements(&self, view: usize, offset: usize, count: usize, size: usize) -> Result<impl Iterator<Item = &[u8]>, String> {
+    fn elements(
+        &self,
+        view: usize,
+        offset: usize,
+        count: usize,
+        size: usize,
+    ) -> Result<impl Iterator<Item = &[u8]>, String> {
         let views = &self.document.buffer_views;
-        let found = views.get(view).ok_or_else(|| format!("it has the view {view}, but there are {}", views.len()))?;
-        let buffer = self.buffers.get(found.buffer);
-        let buffer = buffer.ok_or_else(|| format!("view {view} has the buffer {}, but there are {}", found.buffer, self.buffers.len()))?;
+        let found = views
+            .get(view)
+            .ok_or_else(|| format!("it has the view {view}, but there are {}", views.len()))?;
+        let buffer = self.all.get(found.buffer);
+        let buffer = buffer.ok_or_else(|| {
+            format!("view {view} has the buffer {}, but there are {}", found.buffer, self.all.len())
+        })?;
         let stride = found.byte_stride.filter(|&stride| stride > 0).unwrap_or(size);
         let needed = count.checked_sub(1).map_or(Some(0), |last| last.checked_mul(stride)?.checked_add(size));
-        let bytes = found.byte_offset.checked_add(found.byte_length).and_then(|end| buffer.get(found.byte_offset..end));
+        let bytes = found
+            .byte_offset
+            .checked_add(found.byte_length)
+            .and_then(|end| buffer.get(found.byte_offset..end));
         let bytes = bytes.ok_or_else(|| {
             format!(
                 "view {view} has {} bytes from byte {} of a buffer of {}",
@@ -200,16 +228,9 @@ fn percent_decoded(uri: &str) -> String {
     let mut rest = uri.as_bytes();
     while let Some((&byte, after)) = rest.split_first() {
         let code = after.get(..2).and_then(|code| std::str::from_utf8(code).ok());
-        match code.and_then(|code| u8::from_str_radix(code, 16).ok()).filter(|_| byte == b'%') {
-            Some(code) => {
-                bytes.push(code);
-                rest = &after[2..];
-            }
-            None => {
-                bytes.push(byte);
-                rest = after;
-            }
-        }
+        let code = code.and_then(|code| u8::from_str_radix(code, 16).ok()).filter(|_| byte == b'%');
+        bytes.push(code.unwrap_or(byte));
+        rest = if code.is_some() { &after[2..] } else { after };
     }
     String::from_utf8_lossy(&bytes).into_owned()
 }

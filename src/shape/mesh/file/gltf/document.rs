@@ -143,7 +143,10 @@ impl Document {
         match compressed {
             Some(name) => {
                 let name: String = name.chars().take(60).collect();
-                Err(fault("extensionsRequired", format!("its meshes are compressed by {name}; save it without")))
+                Err(fault(
+                    "extensionsRequired",
+                    format!("its meshes are compressed by {name}; save it without"),
+                ))
             }
             None => Ok(()),
         }
@@ -161,7 +164,9 @@ impl Document {
                 }
                 Ok((0..self.nodes.len()).filter(|&node| !is_child[node]).collect())
             }
-            None => Err(fault(format_args!("scene {number}"), format!("there are {} scenes", self.scenes.len()))),
+            None => {
+                Err(fault(format_args!("scene {number}"), format!("there are {} scenes", self.scenes.len())))
+            }
         }
     }
 }

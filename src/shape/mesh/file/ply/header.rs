@@ -80,7 +80,9 @@ pub(super) struct Element {
 impl Element {
     /// The first property of one of these names, in capitals or not.
     pub(super) fn property(&self, names: &[&[u8]]) -> Option<usize> {
-        self.properties.iter().position(|property| names.iter().any(|name| property.name.eq_ignore_ascii_case(name)))
+        self.properties
+            .iter()
+            .position(|property| names.iter().any(|name| property.name.eq_ignore_ascii_case(name)))
     }
 
     pub(super) fn names(&self) -> String {
@@ -126,7 +128,11 @@ impl Header {
         let mut elements: Vec<Element> = Vec::new();
         loop {
             line.clear();
-            let read = if lines == 0 { first_line(reader, &mut line, &mut end) } else { reader.read_until(end, &mut line) };
+            let read = if lines == 0 {
+                first_line(reader, &mut line, &mut end)
+            } else {
+                reader.read_until(end, &mut line)
+            };
             lines += 1;
             let fault = |problem: String| fault(format_args!("line {lines}"), problem);
             let read = read.map_err(|error| fault(error.to_string()))?;
@@ -140,7 +146,10 @@ impl Header {
                     return Err(fault("the file is empty".into()));
                 }
                 if text.trim_ascii() != b"ply" {
-                    return Err(fault(format!("the file begins with {}, but must begin with \"ply\"", quoted(text.trim_ascii()))));
+                    return Err(fault(format!(
+                        "the file begins with {}, but must begin with \"ply\"",
+                        quoted(text.trim_ascii())
+                    )));
                 }
                 continue;
             }
@@ -158,7 +167,10 @@ impl Header {
                         b"binary_big_endian" => Encoding::Big,
                         _ => {
                             let range = "ascii, binary_little_endian or binary_big_endian";
-                            return Err(fault(format!("the format is {}, but must be {range}", quoted(kind))));
+                            return Err(fault(format!(
+                                "the format is {}, but must be {range}",
+                                quoted(kind)
+                            )));
                         }
                     });
                     if !version.starts_with(b"1.") {
@@ -180,7 +192,10 @@ impl Header {
                 }
                 _ => {
                     let known = "format, element, property, comment, obj_info or end_header";
-                    return Err(fault(format!("the header has {}, but must have {known}", quoted(line.trim_ascii()))));
+                    return Err(fault(format!(
+                        "the header has {}, but must have {known}",
+                        quoted(line.trim_ascii())
+                    )));
                 }
             }
         }
@@ -219,7 +234,8 @@ fn first_line(reader: &mut impl BufRead, line: &mut Vec<u8>, end: &mut u8) -> io
 fn property(parts: &[&[u8]]) -> Result<Property, String> {
     let scalar = |word: &[u8]| {
         let range = "char, uchar, short, ushort, int, uint, float, double, or int8 to float64";
-        Scalar::named(word).ok_or_else(|| format!("a property has the type {}, but must have {range}", quoted(word)))
+        Scalar::named(word)
+            .ok_or_else(|| format!("a property has the type {}, but must have {range}", quoted(word)))
     };
     let named = |name: Option<&&[u8]>| name.map(|name| name.to_vec()).unwrap_or_default();
     match parts {

@@ -17,7 +17,10 @@ pub(super) struct Values<R> {
 enum Source<R> {
     /// Lines, and how far the latest is read.
     Text(Lines<R>, usize),
-    Binary { reader: R, bytes: u64 },
+    Binary {
+        reader: R,
+        bytes: u64,
+    },
 }
 
 impl<R: BufRead> Values<R> {
@@ -153,7 +156,9 @@ impl<R: BufRead> Values<R> {
             let value = self.number(scalar)?;
             (whole_of(value), value.to_string())
         };
-        value.ok_or_else(|| fault(self.place(), format!("{what} is {found}, but must be a whole number from 0")))
+        value.ok_or_else(|| {
+            fault(self.place(), format!("{what} is {found}, but must be a whole number from 0"))
+        })
     }
 
     /// Passes over numbers, whatever they are.
