@@ -2,81 +2,108 @@
 //!
 //!     cargo run --release --example shape_tree -- --help
 
+#[path = "common/mod.rs"]
+mod common;
+
+use common::{Failure, Outputs, number, print, text};
 use indicatif::{ProgressBar, ProgressStyle};
-use lexopt::prelude::{Long, Short, Value, ValueExt};
-use std::fs::{self, File};
-use std::io::{BufReader, BufWriter};
+use lexopt::prelude::{Long, Short, Value};
 use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 use treesynth::export::gltf::{GlbOptions, write_glb};
 use treesynth::glam::Vec2;
 use treesynth::preview::{Picture, Preview, PreviewError};
-use treesynth::shape::{Outline, Sketch, TriangleMesh};
+use treesynth::shape::{Import, Outline, Sketch, UpAxis};
 use treesynth::surface::Tubes;
 use treesynth::variational::{self, GuidanceShape, Level, Step, StepKind, VariationalSynth};
-use treesynth::{Progress, Shape};
-
-type Failure = Box<dyn std::error::Error>;
+use treesynth::{ParameterError, Progress, Shape};
 
 const HELP: &str = "\
 Fills a shape with a tree: a model (NAME.glb), a picture (NAME.png) and the energy of each step (NAME.energy.png).
 
 cargo run --release --example shape_tree -- [MESH | --sketch FILE.svg | --preset NAME] [OPTIONS]
 
-  MESH           an OBJ, STL or PLY file; scripts/fetch_bunny fetches one
-  --sketch FILE  an SVG file: its first <path> is the crown's silhouette from the front, a second that from the side;
-                 transforms are not looked at
+  MESH           an .obj, .stl, .ply, .glb or .gltf file; scripts/fetch_bunny fetches one
+  --up AXIS      y or z: what is up in the mesh              [y]
+  --sketch FILE  an SVG file: the first shape that it draws is the crown's silhouette from the front, a second that from
+                 the side
   --preset NAME  one of --list                               [variational-14-oak]
   --list         the presets, one a line, and nothing else
-  --height M     how tall the mesh or sketch is, metres      [8]
-  --nodes N      shape nodes                                 [the preset's, or 4000]
-  --seed N       the seed                                    [the preset's, or 1]
-  --size N       side of the picture, pixels                 [800]
+  --height M     how tall the mesh or sketch is, 0.01 to 10000 metres  [8]
+  --nodes N      shape nodes, 4 to 10000000                  [the preset's, or 4000]
+  --seed N       the seed, 0 to 18446744073709551615         [the preset's, or 1]
+  --size N       side of the picture, 16 to 8192 pixels      [800]
   --out DIR      where files go; made if it is not there     [out]
   --help         this text";
 
 fn main() {
-    if let Err(error) = run() {
-        eprintln!("error: {error}");
-        std::process::exit(1);
-    }
+    common::run(run);
+}
+
+/// What is filled.
+enum Source {
+    Mesh(PathBuf),
+    Sketch(PathBuf),
+    Preset(String),
 }
 
 fn run() -> Result<(), Failure> {
-    let mut name = "variational-14-oak".to_owned();
-    let (mut mesh, mut sketch) = (None, None);
+    let mut sources = Vec::new();
     let (mut nodes, mut seed, mut size, mut height) = (None, None, 800, 8.0);
+    let mut up = UpAxis::Y;
     let mut out = PathBuf::from("out");
     let mut arguments = lexopt::Parser::from_env();
     while let Some(argument) = arguments.next()? {
         match argument {
-            Value(path) => mesh = Some(PathBuf::from(path)),
-            Long("sketch") => sketch = Some(PathBuf::from(arguments.value()?)),
-            Long("height") => height = arguments.value()?.parse()?,
-            Long("preset") => name = arguments.value()?.string()?,
-            Long("nodes") => nodes = Some(arguments.value()?.parse()?),
-            Long("seed") => seed = Some(arguments.value()?.parse()?),
+            Value(path) => sources.push(Source::Mesh(path.into())),
+            Long("sketch") => sources.push(Source::Sketch(text(&mut arguments, "--sketch")?.into())),
+            Long("preset") => sources.push(Source::Preset(text(&mut arguments, "--preset")?)),
+            Long("up") => {
+                up = match text(&mut arguments, "--up")?.as_str() {
+                    "y" | "Y" => UpAxis::Y,
+                    "z" | "Z" => UpAxis::Z,
+                    other => return Err(format!("--up is {other:?}, but must be y or z").into()),
+                }
+            }
+            Long("height") => height = number(&mut arguments, "--height", 0.01..=10_000.0, "metres")?,
+            Long("nodes") => nodes = Some(number(&mut arguments, "--nodes", 4..=10_000_000, "shape nodes")?),
+            Long("seed") => seed = Some(number(&mut arguments, "--seed", 0..=u64::MAX, "")?),
             Long("out") => out = arguments.value()?.into(),
-            Long("size") => size = arguments.value()?.parse()?,
+            Long("size") => size = number(&mut arguments, "--size", 16..=8192, "pixels")?,
             Long("list") => {
-                variational::presets().for_each(|preset| println!("{}: {}", preset.name, preset.caption));
+                print(variational::presets().map(|preset| format!("{}: {}", preset.name, preset.caption)));
                 return Ok(());
             }
             Long("help") | Short('h') => {
-                println!("{HELP}");
+                print([HELP]);
                 return Ok(());
             }
             other => return Err(other.unexpected().into()),
         }
     }
-    let (synth, seed) = if let Some(path) = mesh.as_ref().or(sketch.as_ref()) {
-        path.file_stem().and_then(|stem| stem.to_str()).unwrap_or("shape").clone_into(&mut name);
-        let shape = if mesh.is_some() { read_mesh(path, height)? } else { read_sketch(path, height)? };
-        (filled(&*shape, nodes.unwrap_or(4000))?, seed.unwrap_or(1))
-    } else {
-        let preset =
-            variational::by_name(&name).ok_or_else(|| format!("no preset {name}; --list names them"))?;
-        (preset.synth(nodes.unwrap_or(preset.shape_nodes))?, seed.unwrap_or(preset.seed))
+    if sources.len() > 1 {
+        return Err(format!(
+            "there are {} of MESH, --sketch and --preset, but one tree fills one shape",
+            sources.len()
+        )
+        .into());
+    }
+    let mut outputs = Outputs::new("--out", &out)?;
+    let source = sources.pop().unwrap_or_else(|| Source::Preset("variational-14-oak".into()));
+    let (name, synth, seed) = match source {
+        Source::Preset(name) => {
+            let preset = variational::by_name(&name)
+                .ok_or_else(|| format!("--preset is {name:?}, but must be one of --list"))?;
+            (name, preset.synth(nodes.unwrap_or(preset.shape_nodes))?, seed.unwrap_or(preset.seed))
+        }
+        Source::Mesh(path) => {
+            let shape = read_mesh(&path, up, height)?;
+            (stem(&path), filled(&*shape, nodes.unwrap_or(4000))?, seed.unwrap_or(1))
+        }
+        Source::Sketch(path) => {
+            let shape = read_sketch(&path, height)?;
+            (stem(&path), filled(&*shape, nodes.unwrap_or(4000))?, seed.unwrap_or(1))
+        }
     };
     let bar =
         ProgressBar::new(1000).with_style(ProgressStyle::with_template("{bar:40} {percent}% {elapsed}")?);
@@ -87,43 +114,46 @@ fn run() -> Result<(), Failure> {
     let growth = synth.grow(seed, &watch)?;
     bar.finish();
     let best = growth.trace[growth.best];
-    println!("{} shape nodes, {} internodes", synth.shape().len(), growth.skeleton.segments());
-    println!("F = {:.4} after {} steps, the least of {}", best.total, growth.best + 1, growth.trace.len());
-    fs::create_dir_all(&out)?;
-    let create = |ending: &str| File::create(out.join(format!("{name}.{ending}"))).map(BufWriter::new);
     let mesh = Tubes::default().mesh(&growth.skeleton)?;
-    write_glb(&mesh, &GlbOptions::default(), create("glb")?)?;
-    Preview::default().with_size(size, size).draw(&mesh)?.write_png(create("png")?)?;
-    Ok(plot(&growth.trace, size)?.write_png(create("energy.png")?)?)
+    let file = |ending: &str| out.join(format!("{name}.{ending}"));
+    outputs.write(&file("glb"), |writer| Ok(write_glb(&mesh, &GlbOptions::default(), writer)?))?;
+    let picture = Preview::default().with_size(size, size).draw(&mesh)?;
+    outputs.write(&file("png"), |writer| Ok(picture.write_png(writer)?))?;
+    let energy = plot(&growth.trace, size)?;
+    outputs.write(&file("energy.png"), |writer| Ok(energy.write_png(writer)?))?;
+    outputs.finish()?;
+    print([
+        format!("{} shape nodes, {} internodes", synth.shape().len(), growth.skeleton.segments()),
+        format!("F = {:.4} after {} steps, the least of {}", best.total, growth.best + 1, growth.trace.len()),
+    ]);
+    Ok(())
+}
+
+fn stem(path: &Path) -> String {
+    path.file_stem().and_then(|stem| stem.to_str()).unwrap_or("shape").to_owned()
 }
 
 /// On a trunk a sixth as high as the shape.
-fn read_mesh(path: &Path, height: f32) -> Result<Box<dyn Shape>, Failure> {
-    let file = BufReader::new(File::open(path)?);
-    let mesh = match path.extension().and_then(|ending| ending.to_str()) {
-        Some("obj") => TriangleMesh::read_obj(file)?,
-        Some("stl") => TriangleMesh::read_stl(file)?,
-        Some("ply") => TriangleMesh::read_ply(file)?,
-        _ => return Err("a mesh is an .obj, .stl or .ply file".into()),
-    };
-    println!("{} triangles: {}", mesh.triangles().len(), mesh.flaws());
+fn read_mesh(path: &Path, up: UpAxis, height: f32) -> Result<Box<dyn Shape>, Failure> {
+    let mesh = Import::default().with_up(up).open(path)?;
+    print([format!("{} triangles: {}", mesh.triangles().len(), mesh.flaws())]);
     Ok(Box::new(mesh.fitted(height / 6.0, height)?))
 }
 
 fn read_sketch(path: &Path, height: f32) -> Result<Box<dyn Shape>, Failure> {
-    let text = fs::read_to_string(path)?;
-    let document = roxmltree::Document::parse(&text)?;
-    let paths = document.descendants().filter(|node| node.has_tag_name((SVG, "path")));
-    let mut outlines = paths.filter_map(|node| node.attribute("d")).map(Outline::from_svg_path);
-    let front = outlines.next().ok_or("there is no <path> in the file")??;
-    let mut sketch = Sketch::new(front.fitted(height / 6.0, height));
+    let text =
+        std::fs::read_to_string(path).map_err(|error| format!("--sketch {}: {error}", path.display()))?;
+    let named = |error: ParameterError| format!("--sketch {}: {error}", path.display());
+    let mut outlines = Outline::from_svg(&text).map_err(named)?.into_iter();
+    let fitted = |outline: Outline| outline.fitted(height / 6.0, height);
+    let front = outlines.next().map(fitted).ok_or("the sketch draws nothing")?;
+    let mut sketch = Sketch::new(front);
     if let Some(side) = outlines.next() {
-        sketch = sketch.with_side(side?.fitted(height / 6.0, height));
+        sketch = sketch.with_side(fitted(side));
     }
+    sketch.check().map_err(named)?;
     Ok(Box::new(sketch))
 }
-
-const SVG: &str = "http://www.w3.org/2000/svg";
 
 /// Half of the shape nodes on the surface, half in the volume.
 fn filled(shape: &dyn Shape, nodes: usize) -> Result<VariationalSynth, Failure> {

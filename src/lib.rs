@@ -42,7 +42,7 @@
 //! | `json` | skeletons as JSON text, `export::json`; implies `serde` |
 //! | `mint` | `From` and `Into` between [`glam`]'s vectors and `mint`'s, for users on another glam version |
 //! | `preview` | shaded PNG pictures without a GPU, `preview` |
-//! | `import` | meshes from OBJ, STL and PLY files, outlines from SVG path data, as shapes |
+//! | `import` | meshes from OBJ, STL, PLY and glTF files, outlines from SVG drawings and path data, as shapes |
 //! | `testing` | proptest strategies and contract checks for strategies of your own, `testing` |
 #![cfg_attr(docsrs, feature(doc_cfg))]
 

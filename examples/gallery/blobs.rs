@@ -1,6 +1,7 @@
 //! Implicit solids cast ray by ray, a sheet for each figure of theirs.
 
-use super::{Failure, Options, write};
+use super::common::Failure;
+use super::{Options, write};
 use std::collections::BTreeMap;
 use treesynth::Silent;
 use treesynth::preview::{Camera, Picture, Preview, RayCaster};

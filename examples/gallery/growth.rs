@@ -1,6 +1,7 @@
 //! Trees that grow over the years, a sheet for each figure of theirs.
 
-use super::{Failure, Options, write};
+use super::common::Failure;
+use super::{Options, write};
 use std::collections::BTreeMap;
 use treesynth::Bounds;
 use treesynth::foliage::{Leaf, Leaves};

@@ -3,6 +3,8 @@
 //!     cargo run --release --example gallery -- --help
 
 mod blobs;
+#[path = "../common/mod.rs"]
+mod common;
 mod growth;
 mod marks;
 mod plane;
@@ -10,10 +12,10 @@ mod shapes;
 mod stands;
 
 use base64::Engine;
+use common::{Failure, Outputs, number, print};
 use lexopt::prelude::{Long, Short, ValueExt};
 use std::collections::BTreeMap;
-use std::fs::{self, File};
-use std::io::{BufWriter, Write};
+use std::io::Write;
 use std::path::{Path, PathBuf};
 use treesynth::Silent;
 use treesynth::foliage::Leaves;
@@ -22,16 +24,14 @@ use treesynth::presets::{self, Preset, Season, TYPICAL_NODES};
 use treesynth::preview::{Picture, Preview};
 use treesynth::surface::{Material, Part, Tubes};
 
-type Failure = Box<dyn std::error::Error>;
-
 const HELP: &str = "\
 Draws every preset, a sheet for each figure, and a sheet of all trees in summer.
 
 cargo run --release --example gallery -- [OPTIONS]
 
   --only TEXT   presets whose names contain it             [all]
-  --nodes N     nodes of the graphs                        [150000]
-  --size N      side of a picture, pixels                  [400]
+  --nodes N     nodes of the graphs, 100 to 200000000      [150000]
+  --size N      side of a picture, 16 to 4096 pixels       [400]
   --out DIR     where pictures go; made if it is not there [docs/figures]
   --help        this text";
 
@@ -43,10 +43,7 @@ struct Options {
 }
 
 fn main() {
-    if let Err(error) = run() {
-        eprintln!("error: {error}");
-        std::process::exit(1);
-    }
+    common::run(run);
 }
 
 fn run() -> Result<(), Failure> {
@@ -55,18 +52,18 @@ fn run() -> Result<(), Failure> {
     let mut arguments = lexopt::Parser::from_env();
     while let Some(argument) = arguments.next()? {
         match argument {
-            Long("nodes") => options.nodes = arguments.value()?.parse()?,
+            Long("nodes") => options.nodes = number(&mut arguments, "--nodes", 100..=200_000_000, "nodes")?,
             Long("out") => options.out = arguments.value()?.into(),
-            Long("size") => options.size = arguments.value()?.parse()?,
+            Long("size") => options.size = number(&mut arguments, "--size", 16..=4096, "pixels")?,
             Long("only") => options.only = arguments.value()?.string()?,
             Long("help") | Short('h') => {
-                println!("{HELP}");
+                print([HELP]);
                 return Ok(());
             }
             other => return Err(other.unexpected().into()),
         }
     }
-    fs::create_dir_all(&options.out)?;
+    drop(Outputs::new("--out", &options.out)?);
     if options.only.is_empty() {
         overview(&options)?;
     }
@@ -122,8 +119,11 @@ fn overview(options: &Options) -> Result<(), Failure> {
     }
     let mut png = Vec::new();
     Picture::sheet(&pictures, 6, 2, [255, 255, 255])?.write_png(&mut png)?;
-    fs::write(options.out.join("overview.base64"), base64::prelude::BASE64_STANDARD.encode(&png))?;
-    Ok(fs::write(options.out.join("overview.png"), png)?)
+    let text = base64::prelude::BASE64_STANDARD.encode(&png);
+    let mut outputs = Outputs::new("--out", &options.out)?;
+    outputs.write(&options.out.join("overview.base64"), |writer| Ok(writer.write_all(text.as_bytes())?))?;
+    outputs.write(&options.out.join("overview.png"), |writer| Ok(writer.write_all(&png)?))?;
+    outputs.finish()
 }
 
 /// The tree in leaf, at two fifths of the size, with a label.
@@ -139,9 +139,9 @@ fn summer(preset: &Preset, options: &Options) -> Result<Picture, Failure> {
 }
 
 fn write(path: &Path, picture: &Picture) -> Result<(), Failure> {
-    let mut writer = BufWriter::new(File::create(path)?);
-    picture.write_png(&mut writer)?;
-    Ok(writer.flush()?)
+    let mut outputs = Outputs::new("--out", path.parent().unwrap_or(path))?;
+    outputs.write(path, |writer| Ok(picture.write_png(writer)?))?;
+    outputs.finish()
 }
 
 /// The unfinished tree, if the figure shows it, and the finished one; of a tree that refines the one at a single

@@ -1,6 +1,6 @@
 //! Trees in the plane, over their graph and its guiding vectors.
 
-use super::Failure;
+use super::common::Failure;
 use treesynth::Skeleton;
 use treesynth::glam::{Vec2, Vec3};
 use treesynth::guided::Search;

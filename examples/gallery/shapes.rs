@@ -1,6 +1,7 @@
 //! Trees that fill shapes, a sheet for each figure of theirs.
 
-use super::{Failure, Options, write};
+use super::common::Failure;
+use super::{Options, write};
 use std::collections::BTreeMap;
 use treesynth::preview::{Picture, Preview};
 use treesynth::surface::Tubes;

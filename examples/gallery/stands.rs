@@ -1,6 +1,6 @@
 //! Trees and stands that organize themselves.
 
-use super::Failure;
+use super::common::Failure;
 use treesynth::foliage::Leaves;
 use treesynth::presets::{Season, Stand};
 use treesynth::preview::{Picture, Preview};

@@ -1,6 +1,6 @@
 //! A fork of the trunk, close up, as it ages: figure 7 of the paper.
 
-use super::Failure;
+use super::common::Failure;
 use treesynth::glam::{Quat, Vec3};
 use treesynth::growth::{Growth, TreeAtAge};
 use treesynth::presets::Grown;

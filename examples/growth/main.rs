@@ -3,13 +3,13 @@
 //!     cargo run --release --example growth -- --species cottonwood --age 12.5 --out out
 
 mod close;
+#[path = "../common/mod.rs"]
+mod common;
 mod options;
 
+use common::{Failure, Outputs, print};
 use indicatif::{ProgressBar, ProgressStyle};
 use options::Options;
-use std::fs::{self, File};
-use std::io::{BufWriter, Write};
-use std::path::Path;
 use treesynth::export::gltf::{GlbOptions, write_glb_parts};
 use treesynth::foliage::{Leaf, Leaves};
 use treesynth::growth::{Growth, TreeAtAge};
@@ -18,17 +18,11 @@ use treesynth::preview::{Camera, Picture, Preview, RayCaster};
 use treesynth::surface::{Mesh, Part, Tubes};
 use treesynth::{Bounds, Silent};
 
-type Failure = Box<dyn std::error::Error>;
-
 fn main() {
-    let done = Options::from_arguments().and_then(|options| match options {
+    common::run(|| match Options::from_arguments()? {
         None => Ok(()),
         Some(options) => run(&options),
     });
-    if let Err(error) = done {
-        eprintln!("error: {error}");
-        std::process::exit(1);
-    }
 }
 
 fn run(options: &Options) -> Result<(), Failure> {
@@ -37,29 +31,34 @@ fn run(options: &Options) -> Result<(), Failure> {
         .or_else(|| options::species().find(|preset| preset.name.ends_with(&options.species)))
         .ok_or_else(|| format!("--species is {:?}, but must be one of --list", options.species))?;
     let folder = options.out.join(preset.name);
-    fs::create_dir_all(&folder).map_err(|error| format!("--out {}: {error}", options.out.display()))?;
+    let mut outputs = Outputs::new("--out", &options.out)?;
     let growth = preset.grow(options.seed.unwrap_or(preset.seed))?;
     let file = |extension: &str| options.out.join(format!("{}{extension}", preset.name));
 
     let last = preset.ages.last().copied().unwrap_or_default();
     let age = options.age.unwrap_or(last);
+    if age > f32::from(growth.years()) {
+        return Err(
+            format!("--age is {age}, but must be 0 to {} years for {}", growth.years(), preset.name).into()
+        );
+    }
     let look = Look::at(preset, &growth, age, 8)?;
     let parts = look.parts(preset);
     if parts.iter().all(|part| part.triangles() == 0) {
-        println!("nothing has sprouted at {age} years: no model, and no picture of it");
+        print([format!("nothing has sprouted at {age} years: no model, and no picture of it")]);
     } else {
-        write(&file(".glb"), |writer| {
+        outputs.write(&file(".glb"), |writer| {
             Ok(write_glb_parts(&parts, &GlbOptions::default().with_name(preset.name), writer)?)
         })?;
         // The foot of a skin is round.
         let preview = Preview::default().with_ground_height(0.0);
         let picture = look.draw(preset, &preview, options.skin)?;
-        write(&file(".png"), |writer| Ok(picture.write_png(writer)?))?;
+        outputs.write(&file(".png"), |writer| Ok(picture.write_png(writer)?))?;
     }
     if options.skin
         && let Some(close) = close::sheet(preset, &growth, options.size)?
     {
-        write(&file("-close.png"), |writer| Ok(close.write_png(writer)?))?;
+        outputs.write(&file("-close.png"), |writer| Ok(close.write_png(writer)?))?;
     }
 
     // All pictures are framed as the oldest tree is, so that it is the tree that grows and not the picture.
@@ -81,10 +80,9 @@ fn run(options: &Options) -> Result<(), Failure> {
     let preview = framed(last.min(f32::from(growth.years())))?;
     let sheet: Vec<Picture> = ages.map(|&age| draw(&preview, age)).collect::<Result<_, _>>()?;
     let columns = sheet.len() as u32;
-    write(
-        &file("-sheet.png"),
-        |writer| Ok(Picture::sheet(&sheet, columns, 4, [255; 3])?.write_png(writer)?),
-    )?;
+    outputs.write(&file("-sheet.png"), |writer| {
+        Ok(Picture::sheet(&sheet, columns, 4, [255; 3])?.write_png(writer)?)
+    })?;
 
     let count = options.frames.unwrap_or_else(|| u32::from(growth.years()).max(2));
     let bar = ProgressBar::new(u64::from(count));
@@ -96,20 +94,21 @@ fn run(options: &Options) -> Result<(), Failure> {
         let age = 0.6 + (f32::from(growth.years()) - 1.0) * frame as f32 / (count - 1) as f32;
         bar.set_message(format!("{age:.2} years"));
         let picture = draw(&preview, age)?;
-        write(&folder.join(format!("{frame:04}.png")), |writer| Ok(picture.write_png(writer)?))?;
+        outputs.write(&folder.join(format!("{frame:04}.png")), |writer| Ok(picture.write_png(writer)?))?;
         frames.push(picture);
         bar.inc(1);
     }
     bar.finish_and_clear();
     let milliseconds = (10_000 / count).clamp(40, 400) as u16;
-    write(&file(".apng"), |writer| Ok(Picture::write_animation(&frames, milliseconds, writer)?))?;
-    println!(
+    outputs.write(&file(".apng"), |writer| Ok(Picture::write_animation(&frames, milliseconds, writer)?))?;
+    outputs.finish()?;
+    print([format!(
         "{}: at {age} years {} internodes and {} leaves -> {}",
         preset.name,
         look.stand.skeleton.segments(),
         look.leaves.iter().map(|tone| tone.instances.len()).sum::<usize>(),
         file("{.glb,.png,.apng,-sheet.png,/}").display(),
-    );
+    )]);
     Ok(())
 }
 
@@ -150,15 +149,4 @@ impl Look {
     fn bounds(&self) -> Option<Bounds> {
         self.mesh.bounds()
     }
-}
-
-/// Writes to a file; a failure names it.
-fn write(
-    path: &Path,
-    content: impl FnOnce(&mut BufWriter<File>) -> Result<(), Failure>,
-) -> Result<(), Failure> {
-    let named = |error: &dyn std::fmt::Display| format!("{}: {error}", path.display());
-    let mut writer = BufWriter::new(File::create(path).map_err(|error| named(&error))?);
-    content(&mut writer).map_err(|error| named(&error))?;
-    Ok(writer.flush().map_err(|error| named(&error))?)
 }

@@ -1,6 +1,7 @@
 //! The command line.
 
-use lexopt::prelude::{Long, Short, ValueExt};
+use super::common::{Failure, number, print, text};
+use lexopt::prelude::{Long, Short};
 use std::path::PathBuf;
 use treesynth::presets::{self, Grown};
 
@@ -12,8 +13,8 @@ cargo run --release --example growth -- [OPTIONS]
 
   --species NAME  one of --list, or what its name ends in      [cottonwood]
   --list          the presets, one a line, and nothing else
-  --age YEARS     of the model, e.g. 12.5                      [the last of the preset's ages]
-  --seed N        the seed                                     [the preset's]
+  --age YEARS     of the model, 0 to as long as the species is grown, e.g. 12.5  [the last of the preset's ages]
+  --seed N        the seed, 0 to 18446744073709551615          [the preset's]
   --frames N      pictures of the animation, 2 to 1000         [one a year]
   --size N        their height, 16 to 8192 pixels              [640]
   --skin          pictures of a blended skin with scars and ridges, cast ray by ray, and of a fork of the trunk as it ages
@@ -34,7 +35,7 @@ pub(crate) struct Options {
 
 impl Options {
     /// `None` when the user asked for a text, which has been printed.
-    pub(crate) fn from_arguments() -> Result<Option<Self>, super::Failure> {
+    pub(crate) fn from_arguments() -> Result<Option<Self>, Failure> {
         let mut options = Self {
             species: "cottonwood".into(),
             age: None,
@@ -47,32 +48,25 @@ impl Options {
         let mut arguments = lexopt::Parser::from_env();
         while let Some(argument) = arguments.next()? {
             match argument {
-                Long("species") => options.species = arguments.value()?.string()?,
-                Long("age") => options.age = Some(arguments.value()?.parse()?),
-                Long("seed") => options.seed = Some(arguments.value()?.parse()?),
-                Long("frames") => options.frames = Some(arguments.value()?.parse()?),
-                Long("size") => options.size = arguments.value()?.parse()?,
+                Long("species") => options.species = text(&mut arguments, "--species")?,
+                Long("age") => options.age = Some(number(&mut arguments, "--age", 0.0..=1000.0, "years")?),
+                Long("seed") => options.seed = Some(number(&mut arguments, "--seed", 0..=u64::MAX, "")?),
+                Long("frames") => {
+                    options.frames = Some(number(&mut arguments, "--frames", 2..=1000, "pictures")?);
+                }
+                Long("size") => options.size = number(&mut arguments, "--size", 16..=8192, "pixels")?,
                 Long("skin") => options.skin = true,
                 Long("out") => options.out = arguments.value()?.into(),
                 Long("list") => {
-                    for preset in species() {
-                        println!("{:22} {}", preset.name, preset.caption);
-                    }
+                    print(species().map(|preset| format!("{:22} {}", preset.name, preset.caption)));
                     return Ok(None);
                 }
                 Long("help") | Short('h') => {
-                    println!("{HELP}");
+                    print([HELP]);
                     return Ok(None);
                 }
                 other => return Err(other.unexpected().into()),
             }
-        }
-        let frames = options.frames.unwrap_or(2);
-        if !(2..=1000).contains(&frames) {
-            return Err(format!("--frames is {frames}, but must be 2 to 1000").into());
-        }
-        if !(16..=8192).contains(&options.size) {
-            return Err(format!("--size is {}, but must be 16 to 8192 pixels", options.size).into());
         }
         Ok(Some(options))
     }

@@ -1,11 +1,9 @@
 //! Files by the names of their formats.
 
-use super::Failure;
-use std::fs::File;
-use std::io::{BufWriter, Write};
-use std::path::Path;
+use super::common::{Failure, Outputs};
+use super::options::Options;
 use treesynth::Skeleton;
-use treesynth::export::{self, GlbOptions, Instancing, PlyFormat, SvgOptions};
+use treesynth::export::{self, Axes, GlbOptions, Instancing, PlyFormat, SvgOptions};
 use treesynth::presets::Preset;
 use treesynth::preview::Preview;
 use treesynth::surface::Part;
@@ -17,14 +15,17 @@ pub(crate) const FORMATS: [&str; 9] =
 /// Writes the tree into a folder in one of the [`FORMATS`]; its finest level alone where there can be no others.
 pub(crate) fn write(
     format: &str,
-    folder: &Path,
+    outputs: &mut Outputs,
+    options: &Options,
     preset: &Preset,
     skeleton: &Skeleton,
     levels: &[Vec<Part<'_>>],
 ) -> Result<(), Failure> {
     let parts = &levels[0];
     let file = |extension: &str| format!("{}.{extension}", preset.name);
-    create(&folder.join(file(format)), |writer| {
+    let axes = Axes::default().with_up(options.up).with_unit(options.unit);
+    let path = outputs.path(&file(format));
+    outputs.write(&path, |writer| {
         let glb = GlbOptions::default().with_name(preset.name);
         match format {
             "glb" => export::write_glb_levels(levels, &glb, writer)?,
@@ -32,8 +33,8 @@ pub(crate) fn write(
                 export::write_glb_levels(levels, &glb.with_instancing(Instancing::Nodes), writer)?;
             }
             "obj" => export::write_obj(parts, &file("mtl"), writer)?,
-            "ply" => export::write_ply(parts, PlyFormat::Binary, writer)?,
-            "stl" => export::write_stl(parts, writer)?,
+            "ply" => export::write_ply_with(parts, PlyFormat::Binary, axes, writer)?,
+            "stl" => export::write_stl_with(parts, axes, writer)?,
             "svg" => {
                 let look = SvgOptions::default().with_material(preset.bark());
                 export::write_svg(skeleton, &look, writer)?;
@@ -44,20 +45,8 @@ pub(crate) fn write(
         Ok(())
     })?;
     if format == "obj" {
-        create(&folder.join(file("mtl")), |writer| Ok(export::write_mtl(parts, writer)?))?;
+        let path = outputs.path(&file("mtl"));
+        outputs.write(&path, |writer| Ok(export::write_mtl(parts, writer)?))?;
     }
     Ok(())
-}
-
-/// Fills a new file; a failure names it.
-pub(crate) fn create(
-    path: &Path,
-    content: impl FnOnce(&mut BufWriter<File>) -> Result<(), Failure>,
-) -> Result<(), Failure> {
-    let fill = || -> Result<(), Failure> {
-        let mut writer = BufWriter::new(File::create(path)?);
-        content(&mut writer)?;
-        Ok(writer.flush()?)
-    };
-    fill().map_err(|error| format!("{}: {error}", path.display()).into())
 }

@@ -1,6 +1,6 @@
 //! The tree in levels of detail, each of at most half the triangles of the one before.
 
-use super::Failure;
+use super::common::Failure;
 use super::options::{Options, Surface};
 use treesynth::Skeleton;
 use treesynth::foliage::Leaves;

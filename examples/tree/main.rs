@@ -2,30 +2,26 @@
 //!
 //!     cargo run --release --example tree -- --preset fine-oak --seed 7 --out out
 
+#[path = "../common/mod.rs"]
+mod common;
 mod files;
 mod levels;
 mod options;
 mod stats;
 mod watch;
 
+use common::{Failure, Outputs, print};
 use options::Options;
-use std::fs;
 use std::time::Instant;
 use treesynth::guided::Search;
 use treesynth::surface::Part;
 use treesynth::{Metrics, presets};
 
-type Failure = Box<dyn std::error::Error>;
-
 fn main() {
-    let done = Options::from_arguments().and_then(|options| match options {
+    common::run(|| match Options::from_arguments()? {
         None => Ok(()),
         Some(options) => run(&options),
     });
-    if let Err(error) = done {
-        eprintln!("error: {error}");
-        std::process::exit(1);
-    }
 }
 
 fn run(options: &Options) -> Result<(), Failure> {
@@ -35,7 +31,10 @@ fn run(options: &Options) -> Result<(), Failure> {
     let preset = presets::by_name(&options.preset)
         .ok_or_else(|| format!("--preset is {:?}, but must be one of --list", options.preset))?;
     let seed = options.seed.unwrap_or(preset.seed);
-    fs::create_dir_all(&options.out).map_err(|error| format!("--out {}: {error}", options.out.display()))?;
+    let mut outputs = Outputs::new("--out", &options.out)?;
+    if let Some(path) = &options.stats {
+        Outputs::check("--stats", path)?;
+    }
 
     let watch = watch::Watch::new();
     let synth = preset.synth(options.nodes);
@@ -73,17 +72,18 @@ fn run(options: &Options) -> Result<(), Failure> {
     let levels: Vec<Vec<_>> = barks.iter().enumerate().map(parts).collect();
     for format in &options.formats {
         let skeleton = if format == "relaxed.json" { &relaxed } else { skeleton };
-        step(format, &mut || files::write(format, &options.out, preset, skeleton, &levels))?;
+        step(format, &mut || files::write(format, &mut outputs, options, preset, skeleton, &levels))?;
     }
 
     let metrics = Metrics::of(skeleton);
     let endpoints: Vec<usize> = growth.endpoints.iter().map(Vec::len).collect();
     if let Some(path) = &options.stats {
         let stats = stats::stats(preset.name, seed, &graph, skeleton, &endpoints, &steps, &metrics, &levels)?;
-        files::create(path, |writer| Ok(serde_json::to_writer_pretty(writer, &stats)?))?;
+        outputs.write(path, |writer| Ok(serde_json::to_writer_pretty(writer, &stats)?))?;
     }
+    outputs.finish()?;
     let milliseconds: f64 = steps.iter().map(|(_, time)| time.as_secs_f64() * 1e3).sum();
-    println!(
+    print([format!(
         "{}, seed {seed}: {} nodes, {} endpoints, {} segments, {} tips, {} leaves, {} triangles, {:.1} m tall, {:.1} m wide, {milliseconds:.0} ms -> {}",
         preset.name,
         graph.nodes(),
@@ -95,6 +95,6 @@ fn run(options: &Options) -> Result<(), Failure> {
         metrics.height,
         metrics.crown_width,
         options.out.join(format!("{}.{{{}}}", preset.name, options.formats.join(","))).display(),
-    );
+    )]);
     Ok(())
 }

@@ -1,9 +1,11 @@
 //! The command line.
 
+use super::common::{Failure, number, print, text};
 use super::files::FORMATS;
-use lexopt::prelude::{Long, Short, ValueExt};
+use lexopt::prelude::{Long, Short};
 use std::path::PathBuf;
 use treesynth::presets::{self, Season, TYPICAL_NODES};
+use treesynth::shape::UpAxis;
 
 const HELP: &str = "\
 Grows a tree and writes NAME.glb, NAME.png and NAME.json, or what --format says.
@@ -12,8 +14,8 @@ cargo run --release --example tree -- [OPTIONS]
 
   --preset NAME   one of --list                                [fine-oak]
   --list          the presets, one a line, and nothing else
-  --seed N        the seed                                     [the preset's]
-  --nodes N       nodes of the graph                           [150000]
+  --seed N        the seed, 0 to 18446744073709551615          [the preset's]
+  --nodes N       nodes of the graph, 100 to 200000000         [150000]
   --season TIME   winter (no leaves), summer or autumn         [summer]
   --surface KIND  tubes, with collars, or implicit: one closed mesh  [tubes]
   --detail N      voxels a radius of the closed mesh, 0.867 to 64    [1]
@@ -23,7 +25,10 @@ cargo run --release --example tree -- [OPTIONS]
   --format LIST   of glb, nodes.glb (leaves as nodes, for what knows no
                   instances), obj, ply, stl, svg, png, json, relaxed.json
                   (the skeleton of the surface)                [glb,png,json]
-  --threads N     threads for the graph, at least 1            [all]
+  --up AXIS       y or z: what is up in .ply and .stl files    [y]
+  --unit M        metres in a unit of .ply and .stl files, 0.000001 to 1000000;
+                  0.001 for printers                           [1]
+  --threads N     threads for the graph, 1 to 1024             [all]
   --out DIR       where files go; made if it is not there      [out]
   --stats FILE    figures as JSON: sizes, milliseconds of each step, peak
                   memory, metrics
@@ -46,6 +51,8 @@ pub(crate) struct Options {
     pub(crate) detail: f32,
     pub(crate) levels: u32,
     pub(crate) formats: Vec<String>,
+    pub(crate) up: UpAxis,
+    pub(crate) unit: f32,
     pub(crate) threads: Option<usize>,
     pub(crate) out: PathBuf,
     pub(crate) stats: Option<PathBuf>,
@@ -53,7 +60,7 @@ pub(crate) struct Options {
 
 impl Options {
     /// `None` when the user asked for a text, which has been printed.
-    pub(crate) fn from_arguments() -> Result<Option<Self>, super::Failure> {
+    pub(crate) fn from_arguments() -> Result<Option<Self>, Failure> {
         let mut options = Self {
             preset: "fine-oak".into(),
             seed: None,
@@ -63,6 +70,8 @@ impl Options {
             detail: 1.0,
             levels: 1,
             formats: ["glb", "png", "json"].map(String::from).to_vec(),
+            up: UpAxis::Y,
+            unit: 1.0,
             threads: None,
             out: "out".into(),
             stats: None,
@@ -70,37 +79,39 @@ impl Options {
         let mut arguments = lexopt::Parser::from_env();
         while let Some(argument) = arguments.next()? {
             match argument {
-                Long("preset") => options.preset = arguments.value()?.string()?,
-                Long("seed") => options.seed = Some(arguments.value()?.parse()?),
-                Long("nodes") => options.nodes = arguments.value()?.parse()?,
-                Long("season") => options.season = season(&arguments.value()?.string()?)?,
-                Long("surface") => options.surface = surface(&arguments.value()?.string()?)?,
-                Long("detail") => options.detail = arguments.value()?.parse()?,
-                Long("levels") => options.levels = levels(&arguments.value()?.string()?)?,
+                Long("preset") => options.preset = text(&mut arguments, "--preset")?,
+                Long("seed") => options.seed = Some(number(&mut arguments, "--seed", 0..=u64::MAX, "")?),
+                Long("nodes") => {
+                    options.nodes =
+                        number(&mut arguments, "--nodes", 100..=200_000_000, "nodes of the graph")?;
+                }
+                Long("season") => options.season = season(&text(&mut arguments, "--season")?)?,
+                Long("surface") => options.surface = surface(&text(&mut arguments, "--surface")?)?,
+                Long("detail") => {
+                    options.detail = number(&mut arguments, "--detail", 0.867..=64.0, "voxels a radius")?;
+                }
+                Long("levels") => options.levels = number(&mut arguments, "--levels", 1..=8, "levels")?,
                 Long("format") => {
-                    options.formats = arguments.value()?.string()?.split(',').map(String::from).collect();
+                    options.formats =
+                        text(&mut arguments, "--format")?.split(',').map(String::from).collect();
                     if let Some(other) = options.formats.iter().find(|f| !FORMATS.contains(&f.as_str())) {
                         let all = FORMATS.join(", ");
                         return Err(format!("--format has {other:?}, but must have some of {all}").into());
                     }
                 }
                 Long("threads") => {
-                    let threads = arguments.value()?.parse()?;
-                    if !(1..=1024).contains(&threads) {
-                        return Err(format!("--threads is {threads}, but must be in [1, 1024]").into());
-                    }
-                    options.threads = Some(threads);
+                    options.threads = Some(number(&mut arguments, "--threads", 1..=1024, "threads")?);
                 }
+                Long("up") => options.up = up(&text(&mut arguments, "--up")?)?,
+                Long("unit") => options.unit = number(&mut arguments, "--unit", 1e-6..=1e6, "metres")?,
                 Long("out") => options.out = arguments.value()?.into(),
-                Long("stats") => options.stats = Some(arguments.value()?.into()),
+                Long("stats") => options.stats = Some(text(&mut arguments, "--stats")?.into()),
                 Long("list") => {
-                    for preset in presets::all() {
-                        println!("{:26} {}", preset.name, preset.caption);
-                    }
+                    print(presets::all().map(|preset| format!("{:26} {}", preset.name, preset.caption)));
                     return Ok(None);
                 }
                 Long("help") | Short('h') => {
-                    println!("{HELP}");
+                    print([HELP]);
                     return Ok(None);
                 }
                 other => return Err(other.unexpected().into()),
@@ -122,12 +133,12 @@ fn surface(name: &str) -> Result<Surface, String> {
     }
 }
 
-fn levels(number: &str) -> Result<u32, String> {
-    number
-        .parse()
-        .ok()
-        .filter(|levels| (1..=8).contains(levels))
-        .ok_or_else(|| format!("--levels is {number:?}, but must be in [1, 8]"))
+fn up(name: &str) -> Result<UpAxis, String> {
+    match name {
+        "y" | "Y" => Ok(UpAxis::Y),
+        "z" | "Z" => Ok(UpAxis::Z),
+        _ => Err(format!("--up is {name:?}, but must be y or z")),
+    }
 }
 
 fn season(name: &str) -> Result<Season, String> {

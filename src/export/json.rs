@@ -17,7 +17,7 @@
 
 use super::ExportError;
 use crate::Skeleton;
-use std::io::{self, BufReader, BufWriter, Read, Write};
+use std::io::{self, BufRead, BufReader, BufWriter, Read, Write};
 
 /// Why some bytes are not a skeleton.
 #[derive(Debug, thiserror::Error)]
@@ -27,15 +27,19 @@ pub enum ReadError {
     #[error("reading failed: {0}")]
     Io(#[from] io::Error),
     /// Not JSON, not the arrays of a skeleton, or arrays that are no [skeleton](crate::SkeletonError).
-    #[error("not a skeleton in JSON (line {line}, column {column}): {reason}")]
+    #[error("not a skeleton in JSON{}: {reason}", place(*line, *column))]
     Syntax {
-        /// The line at which reading stopped, from 1.
+        /// The line at which reading stopped, from 1; 0 if the text is sound and what it says is not.
         line: usize,
         /// The column at which reading stopped.
         column: usize,
         /// What is wrong there.
         reason: String,
     },
+}
+
+fn place(line: usize, column: usize) -> String {
+    if line == 0 { String::new() } else { format!(" (line {line}, column {column})") }
 }
 
 /// Writes `skeleton` as one line of JSON. Every number reads back as the same bits. O(n) time, O(n) memory.
@@ -60,20 +64,61 @@ pub fn write_skeleton(skeleton: &Skeleton, writer: impl Write) -> Result<(), Exp
     Ok(())
 }
 
-/// Reads a skeleton from JSON text to the end of `reader`. O(n).
+/// Reads a skeleton from JSON text to the end of `reader`, with a byte order mark before it or not. O(n).
 ///
 /// # Errors
 /// Whatever the reader returns; text that is cut short, followed by something else, or not JSON; missing, unknown
 /// or repeated keys; numbers out of range; arrays of different lengths; anything [`Skeleton::check`] finds, such
 /// as a parent that does not come before its child.
 pub fn read_skeleton(reader: impl Read) -> Result<Skeleton, ReadError> {
-    serde_json::from_reader(BufReader::new(reader)).map_err(|error| {
+    let mut reader = BufReader::with_capacity(1 << 16, reader);
+    begin(&mut reader)?;
+    serde_json::from_reader(reader).map_err(|error| {
         if error.is_io() {
-            ReadError::Io(error.into())
-        } else {
-            ReadError::Syntax { line: error.line(), column: error.column(), reason: error.to_string() }
+            return ReadError::Io(error.into());
         }
+        let (line, column) = (error.line(), error.column());
+        let mut reason = error.to_string();
+        let place = format!(" at line {line} column {column}");
+        reason.truncate(reason.strip_suffix(&place).unwrap_or(&reason).len());
+        // A word of the text may be as long as the text.
+        if reason.chars().nth(MOST_REASON).is_some() {
+            reason = reason.chars().take(MOST_REASON).chain(['…']).collect();
+        }
+        ReadError::Syntax { line, column, reason }
     })
+}
+
+/// Characters of a reason.
+const MOST_REASON: usize = 300;
+
+/// Passes over a byte order mark; refuses what begins as no text does.
+fn begin(reader: &mut impl BufRead) -> Result<(), ReadError> {
+    let start = loop {
+        match reader.fill_buf() {
+            Ok(bytes) => break [bytes.first().copied(), bytes.get(1).copied()],
+            Err(error) if error.kind() == io::ErrorKind::Interrupted => {}
+            Err(error) => return Err(error.into()),
+        }
+    };
+    let refused = |reason: &str| Err(ReadError::Syntax { line: 1, column: 1, reason: reason.into() });
+    match start {
+        [Some(0x1F), Some(0x8B)] => {
+            refused("it begins with 1f 8b: it is compressed (gzip) and must be unpacked first")
+        }
+        [Some(0xFF | 0xFE), _] => {
+            refused("it begins with ff or fe: it is UTF-16 text and must be saved as UTF-8")
+        }
+        [Some(0xEF), _] => {
+            let mut mark = [0; 3];
+            match reader.read_exact(&mut mark) {
+                Ok(()) if mark == *b"\xEF\xBB\xBF" => Ok(()),
+                Err(error) if error.kind() != io::ErrorKind::UnexpectedEof => Err(error.into()),
+                _ => refused("expected value"),
+            }
+        }
+        _ => Ok(()),
+    }
 }
 
 #[cfg(test)]
@@ -116,6 +161,47 @@ mod tests {
         refused(&FORK.replace("\"hops\"", "\"leaves\""), "unknown field `leaves`");
         refused(&FORK.replace("\"hops\"", "\"radii\""), "duplicate field `radii`");
         assert!(matches!(read_skeleton(&b"{\"positions\":[[\xff"[..]), Err(ReadError::Syntax { .. })));
+    }
+
+    #[test]
+    fn valid_text_is_read_however_it_is_written() {
+        let plain = read(FORK).expect("a fork");
+        let spaced = FORK.replace(',', " ,\n\t").replace(':', " : ") + "\r\n\n";
+        let others = [
+            format!("\u{feff}{FORK}"),
+            spaced,
+            FORK.replace("[0,0,0]", "[-0,0e9,0.0E+1]").replace("0.2", "2e-1"),
+        ];
+        for text in others
+            .iter()
+            .chain(&[FORK.replace("hops", "h\\u006fps"), FORK.replace("0.5]", "0.50000000000000000000000]")])
+        {
+            assert_eq!(read(text).expect(text), plain);
+        }
+        assert!(read(&FORK.replace("0.5]", "1e-60]")).is_ok(), "less than any f32 is 0");
+        let mut parts: Vec<&str> =
+            FORK.trim_matches(['{', '}']).split(",\"").flat_map(|part| part.split(",\n")).collect();
+        parts.reverse();
+        assert_eq!(parts.len(), 6);
+        let reordered: Vec<String> =
+            parts.iter().map(|part| format!("\"{}", part.trim().trim_start_matches('"'))).collect();
+        assert_eq!(read(&format!("{{{}}}", reordered.join(","))).expect("in another order"), plain);
+    }
+
+    #[test]
+    fn errors_are_short_and_say_where() {
+        let text = |bytes: &[u8]| {
+            read_skeleton(bytes).map(|skeleton| skeleton.len()).expect_err("no skeleton").to_string()
+        };
+        assert!(text(b"\x1f\x8b\x08\0").contains("gzip"));
+        assert!(text(b"\xff\xfe{\0").contains("UTF-16"));
+        assert!(text(b"\xef\xbb").contains("line 1, column 1"));
+        let semantic = text(FORK.replace("0.2", "-0.2").as_bytes());
+        assert!(semantic.starts_with("not a skeleton in JSON: node 0 has the radius"), "{semantic}");
+        let syntax = text(FORK.replace("0.2", "x").as_bytes());
+        assert!(syntax.contains("(line 2, column 18)") && !syntax.contains("at line"), "{syntax}");
+        let long = text(format!("{{\"{}\":1}}", "k".repeat(5_000_000)).as_bytes());
+        assert!(long.len() < 500, "{}", long.len());
     }
 
     #[test]

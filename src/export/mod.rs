@@ -12,6 +12,7 @@
 //! Only glTF knows instances; the others get each leaf's triangles one by one, which never are in memory together.
 //! What is written is checked before the first byte, so an error after it is the writer's own.
 
+mod axes;
 pub mod gltf;
 #[cfg(feature = "json")]
 pub mod json;
@@ -20,12 +21,13 @@ pub mod ply;
 pub mod stl;
 pub mod svg;
 
+pub use axes::Axes;
 pub use gltf::{GlbOptions, Instancing, write_glb, write_glb_levels, write_glb_parts};
 #[cfg(feature = "json")]
 pub use json::{ReadError, read_skeleton, write_skeleton};
 pub use obj::{write_mtl, write_obj};
-pub use ply::{PlyFormat, write_ply};
-pub use stl::write_stl;
+pub use ply::{PlyFormat, write_ply, write_ply_with};
+pub use stl::{write_stl, write_stl_with};
 pub use svg::{SvgOptions, write_svg};
 
 use crate::ParameterError;

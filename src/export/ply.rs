@@ -1,6 +1,6 @@
 //! PLY (`.ply`), binary or text: vertices with normals, texture coordinates and colours, and triangles.
 
-use super::{ExportError, check_parts};
+use super::{Axes, ExportError, check_parts};
 use crate::surface::Part;
 use glam::Vec3;
 use std::io::{self, Write};
@@ -19,7 +19,7 @@ pub enum PlyFormat {
 /// Writes all parts as one list of vertices and one of triangles, instances multiplied out one by one. The parts'
 /// colours go to the vertices (sRGB), times the vertices' own; texture coordinates `s` and `t` are there if every part has them, `t` going up.
 ///
-/// Metres, +Y up. O(vertices + triangles) time, O(1) memory.
+/// Metres, +Y up, unless [`write_ply_with`] is told otherwise. O(vertices + triangles) time, O(1) memory.
 ///
 /// ```
 /// use treesynth::export::{self, PlyFormat};
@@ -36,6 +36,20 @@ pub enum PlyFormat {
 /// Parts without a single triangle, or that are not sound; more vertices or triangles than 32 bits count; whatever the
 /// writer returns. Once a byte is written, nothing but the writer can fail.
 pub fn write_ply(parts: &[Part<'_>], format: PlyFormat, writer: impl Write) -> Result<(), ExportError> {
+    write_ply_with(parts, format, Axes::default(), writer)
+}
+
+/// As [`write_ply`], with another axis up or in another unit. A comment of the header says which.
+///
+/// # Errors
+/// As of [`write_ply`]; axes out of range.
+pub fn write_ply_with(
+    parts: &[Part<'_>],
+    format: PlyFormat,
+    axes: Axes,
+    writer: impl Write,
+) -> Result<(), ExportError> {
+    axes.check()?;
     check_parts(parts)?;
     let vertices = ExportError::counted("vertices", parts.iter().map(Part::vertices).sum())?;
     let triangles = ExportError::counted("triangles", parts.iter().map(Part::triangles).sum())?;
@@ -45,7 +59,8 @@ pub fn write_ply(parts: &[Part<'_>], format: PlyFormat, writer: impl Write) -> R
         PlyFormat::Binary => "binary_little_endian",
         PlyFormat::Ascii => "ascii",
     };
-    writeln!(writer, "ply\nformat {name} 1.0\ncomment treesynth, metres, +Y up\nelement vertex {vertices}")?;
+    let note = axes.note();
+    writeln!(writer, "ply\nformat {name} 1.0\ncomment treesynth, {note}\nelement vertex {vertices}")?;
     let uvs: &[&str] = if has_uvs { &["s", "t"] } else { &[] };
     for property in ["x", "y", "z", "nx", "ny", "nz"].iter().chain(uvs) {
         writeln!(writer, "property float {property}")?;
@@ -61,8 +76,8 @@ pub fn write_ply(parts: &[Part<'_>], format: PlyFormat, writer: impl Write) -> R
         for copy in part.copies() {
             let (matrix, rotation) = (copy.matrix(), copy.rotation_matrix());
             for (i, (&position, &normal)) in mesh.positions.iter().zip(&mesh.normals).enumerate() {
-                let position = (matrix * position + copy.position).to_array();
-                let normal = (rotation * normal).to_array();
+                let position = axes.placed(matrix * position + copy.position).to_array();
+                let normal = axes.turned(rotation * normal).to_array();
                 let mut floats = [0.0; 8];
                 floats[..3].copy_from_slice(&position);
                 floats[3..6].copy_from_slice(&normal);

@@ -2,16 +2,13 @@
 //!
 //! A header of 80 bytes, the number of triangles, and 50 bytes a triangle: its normal, its corners, two bytes unused.
 
-use super::{ExportError, check_parts};
+use super::{Axes, ExportError, check_parts};
 use crate::surface::Part;
 use glam::Vec3;
 use std::io::{self, Write};
 
-/// Must not start with `solid`, or programs take the file for the textual kind.
-const HEADER: &[u8; 80] = b"treesynth, binary STL, metres, +Y up                                            ";
-
 /// Writes the triangles of all parts, instances multiplied out one by one. Normals are those of the triangles. STL knows
-/// no unit; the numbers are metres.
+/// no unit and no axis; the numbers are metres and +Y is up, unless [`write_stl_with`] is told otherwise.
 ///
 /// O(triangles) time, O(vertices of the largest mesh) memory.
 ///
@@ -29,17 +26,30 @@ const HEADER: &[u8; 80] = b"treesynth, binary STL, metres, +Y up                
 /// Parts without a single triangle, or that are not sound; more triangles than 32 bits count; whatever the writer
 /// returns. Once a byte is written, nothing but the writer can fail.
 pub fn write_stl(parts: &[Part<'_>], writer: impl Write) -> Result<(), ExportError> {
+    write_stl_with(parts, Axes::default(), writer)
+}
+
+/// As [`write_stl`], with another axis up or in another unit. The header says which.
+///
+/// # Errors
+/// As of [`write_stl`]; axes out of range.
+pub fn write_stl_with(parts: &[Part<'_>], axes: Axes, writer: impl Write) -> Result<(), ExportError> {
+    axes.check()?;
     check_parts(parts)?;
     let triangles = ExportError::counted("triangles", parts.iter().map(Part::triangles).sum())?;
     let mut writer = io::BufWriter::with_capacity(1 << 16, writer);
-    writer.write_all(HEADER)?;
+    // Must not start with `solid`, or programs take the file for the textual kind.
+    let mut header = format!("treesynth, binary STL, {}", axes.note()).into_bytes();
+    header.resize(80, b' ');
+    writer.write_all(&header)?;
     writer.write_all(&triangles.to_le_bytes())?;
     let mut placed: Vec<Vec3> = Vec::new();
     for part in parts {
         for copy in part.copies() {
             let matrix = copy.matrix();
             placed.clear();
-            placed.extend(part.mesh().positions.iter().map(|&point| matrix * point + copy.position));
+            let place = |&point: &Vec3| axes.placed(matrix * point + copy.position);
+            placed.extend(part.mesh().positions.iter().map(place));
             for corners in part.mesh().triangles() {
                 let [a, b, c] = corners.map(|corner| placed[corner as usize]);
                 let normal = (b - a).cross(c - a).normalize_or_zero();

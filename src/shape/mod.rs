@@ -15,6 +15,8 @@ mod bounds;
 mod combine;
 mod cone;
 mod cuboid;
+#[cfg(feature = "import")]
+mod drawing;
 mod ellipsoid;
 mod mesh;
 mod outline;
@@ -22,6 +24,7 @@ mod shell;
 mod sketch;
 #[cfg(test)]
 mod tests;
+mod up;
 
 pub use bounds::Bounds;
 pub use combine::{Difference, Intersection, Translated, Union};
@@ -29,9 +32,12 @@ pub use cone::{Cone, Cylinder};
 pub use cuboid::Cuboid;
 pub use ellipsoid::{Ellipsoid, HalfEllipsoid, Sphere};
 pub use mesh::{Flaws, TriangleMesh, TriangleMeshError};
+#[cfg(feature = "import")]
+pub use mesh::{Import, MeshFormat};
 pub use outline::{Extrusion, Outline};
 pub use shell::Shell;
 pub use sketch::{CrossProfile, Sketch};
+pub use up::UpAxis;
 
 use std::sync::Arc;
 
@@ -276,6 +282,13 @@ fn check_length(parameter: &str, length: f32) -> Result<(), ParameterError> {
         length,
         "from 1e-6 to 1e6 metres",
     )
+}
+
+/// Where something is to stand, and how high it is to be.
+fn check_fit(name: &str, base: f32, height: f32) -> Result<(), ParameterError> {
+    let holds = base.abs() <= LARGEST;
+    ParameterError::unless(holds, &format!("{name}.base"), base, "from -1e6 to 1e6 metres")?;
+    check_length(&format!("{name}.height"), height)
 }
 
 fn check_lengths(parameter: &str, lengths: Vec3) -> Result<(), ParameterError> {

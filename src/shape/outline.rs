@@ -5,11 +5,11 @@ use std::sync::Arc;
 use glam::{DVec2, Vec2, Vec3, Vec3Swizzles};
 use smallvec::SmallVec;
 
-use super::{Bounds, LARGEST, SMALLEST, Shape, check_length};
+use super::{Bounds, LARGEST, SMALLEST, Shape, check_fit, check_length};
 use crate::ParameterError;
 
 /// The most points of an outline.
-const MOST: usize = 20_000;
+pub(super) const MOST: usize = 20_000;
 
 /// Closed polygons in the plane, metres, x to the right and y up: a silhouette, a letter.
 ///
@@ -38,6 +38,8 @@ struct Inner {
     max: Vec2,
     /// The sides that cross each of some rows of equal height.
     rows: Vec<Vec<[Vec2; 2]>>,
+    /// What was wrong with the height it was fitted to.
+    fit: Result<(), ParameterError>,
 }
 
 /// The most rows that sides are sorted into.
@@ -71,21 +73,7 @@ impl Outline {
         Self::of(contours)
     }
 
-    /// SVG path data, such as the `d` of a `<path>`, with SVG's y turned up; curves in 16 straight pieces each, open
-    /// pieces closed. [`fitted`](Self::fitted) brings it to size.
-    ///
-    /// # Errors
-    /// What `kurbo` cannot read.
-    #[cfg(feature = "import")]
-    pub fn from_svg_path(data: &str) -> Result<Self, ParameterError> {
-        let path = kurbo::BezPath::from_svg(data).map_err(|error| {
-            let start: String = data.chars().take(40).collect();
-            ParameterError::new("Outline.path", format_args!("{start:?}"), format!("SVG path data ({error})"))
-        })?;
-        Ok(Self::of(pieces(&path)))
-    }
-
-    fn of(mut contours: Vec<Vec<Vec2>>) -> Self {
+    pub(super) fn of(mut contours: Vec<Vec<Vec2>>) -> Self {
         for contour in &mut contours {
             contour.dedup();
             while contour.len() > 1 && contour.first() == contour.last() {
@@ -96,7 +84,7 @@ impl Outline {
         let min = points().fold(Vec2::INFINITY, Vec2::min);
         let max = points().fold(Vec2::NEG_INFINITY, Vec2::max);
         let count = points().count().clamp(1, ROWS);
-        let mut inner = Inner { contours, min, max, rows: vec![Vec::new(); count] };
+        let mut inner = Inner { contours, min, max, rows: vec![Vec::new(); count], fit: Ok(()) };
         if inner.is_finite() && inner.contours.iter().map(Vec::len).sum::<usize>() <= MOST {
             for [from, to] in inner.contours.iter().flat_map(|contour| sides(contour)) {
                 let (low, high) = (inner.row(from.y.min(to.y)), inner.row(from.y.max(to.y)));
@@ -121,13 +109,20 @@ impl Outline {
         self.inner.max
     }
 
-    /// Enlarged and moved to stand on the height `base` and to be `height` metres high, its box centred on x = 0.
+    /// Enlarged and moved to stand on the height `base` (-1e6 to 1e6) and to be `height` metres high (1e-6 to 1e6), its box
+    /// centred on x = 0.
     pub fn fitted(&self, base: f32, height: f32) -> Self {
         let (min, max) = (self.inner.min, self.inner.max);
         let foot = Vec2::new(0.5 * min.x + 0.5 * max.x, min.y);
         let scale = height / (max.y - min.y);
         let place = |&point: &Vec2| (point - foot) * scale + Vec2::Y * base;
-        Self::of(self.inner.contours.iter().map(|contour| contour.iter().map(place).collect()).collect())
+        let mut fitted =
+            Self::of(self.inner.contours.iter().map(|contour| contour.iter().map(place).collect()).collect());
+        // Nobody else holds it yet.
+        if let Some(inner) = Arc::get_mut(&mut fitted.inner) {
+            inner.fit = check_fit("Outline", base, height).and_then(|()| self.inner.fit.clone());
+        }
+        fitted
     }
 
     /// Whether `point` is inside. O(1) for outlines with sides of like length.
@@ -165,6 +160,7 @@ impl Outline {
     /// The first of these that is not so.
     pub fn check(&self) -> Result<(), ParameterError> {
         let Inner { contours, min, max, .. } = &*self.inner;
+        self.inner.fit.clone()?;
         let count = contours.iter().map(Vec::len).sum::<usize>();
         ParameterError::unless((3..=MOST).contains(&count), "Outline.corners", count, "from 3 to 20,000")?;
         let holds = min.is_finite() && min.abs().max(max.abs()).max_element() <= LARGEST;
@@ -217,7 +213,7 @@ fn crossing([from, to]: [Vec2; 2], y: f32) -> Option<(f32, i32)> {
 }
 
 /// Two sides of a polygon that meet elsewhere than in the corner they share, named by their first corners.
-fn meeting(contour: &[Vec2]) -> Option<(usize, usize)> {
+pub(super) fn meeting(contour: &[Vec2]) -> Option<(usize, usize)> {
     let count = contour.len();
     let side = |i: usize| [contour[i], contour[(i + 1) % count]];
     let mut order: Vec<usize> = (0..count).collect();
@@ -264,26 +260,6 @@ fn segments_meet([a, b]: [Vec2; 2], [c, d]: [Vec2; 2]) -> bool {
     let within = |p: Vec2, a: Vec2, b: Vec2| p.cmpge(a.min(b)).all() && p.cmple(a.max(b)).all();
     let touches = [(at_a, a, [c, d]), (at_b, b, [c, d]), (at_c, c, [a, b]), (at_d, d, [a, b])];
     touches.iter().any(|&(side, point, [from, to])| side == 0.0 && within(point, from, to))
-}
-
-/// The polygons of a path.
-#[cfg(feature = "import")]
-fn pieces(path: &kurbo::BezPath) -> Vec<Vec<Vec2>> {
-    use kurbo::{ParamCurve, PathSeg};
-    const PIECES: u32 = 16;
-    let point = |p: kurbo::Point| Vec2::new(p.x as f32, -p.y as f32);
-    let mut contours: Vec<Vec<Vec2>> = Vec::new();
-    let mut end = None;
-    for segment in path.segments() {
-        if end != Some(segment.start()) {
-            contours.push(vec![point(segment.start())]);
-        }
-        end = Some(segment.end());
-        let steps = if let PathSeg::Line(_) = segment { 1 } else { PIECES };
-        let parts = (1..=steps).map(|step| point(segment.eval(f64::from(step) / f64::from(steps))));
-        contours.iter_mut().last().into_iter().for_each(|contour| contour.extend(parts.clone()));
-    }
-    contours
 }
 
 /// An [`Outline`] given a depth, in the plane z = 0: a solid letter.
@@ -419,26 +395,6 @@ mod tests {
         assert!(!frame.contains(Vec2::splat(1.5)) && frame.contains(Vec2::new(0.5, 1.5)));
         let fitted = frame.fitted(2.0, 6.0);
         assert_eq!((fitted.min(), fitted.max()), (Vec2::new(-3.0, 2.0), Vec2::new(3.0, 8.0)));
-    }
-
-    #[cfg(feature = "import")]
-    #[test]
-    fn svg_paths_become_outlines() {
-        let square = Outline::from_svg_path("M 0 0 h 2 v 2 h -2 z").expect("a path");
-        assert_eq!((square.min(), square.max()), (Vec2::new(0.0, -2.0), Vec2::new(2.0, 0.0)));
-        let circle = "M 0 1 A 1 1 0 0 1 2 1 A 1 1 0 0 1 0 1 Z M .5 1 a .5 .5 0 0 0 1 0 a .5 .5 0 0 0 -1 0 z";
-        let ring = Outline::from_svg_path(circle).expect("a path");
-        assert_eq!((ring.contours().len(), ring.check()), (2, Ok(())));
-        assert!(!ring.contains(Vec2::new(1.0, -1.0)) && ring.contains(Vec2::new(0.25, -1.0)));
-        let heart = Outline::from_svg_path("M5 9 C-3 3 2 -1 5 2 C8 -1 13 3 5 9Z").expect("a path");
-        assert_eq!(heart.check(), Ok(()));
-        for bad in ["L 1 1", "M 1 x", "nonsense"] {
-            assert_eq!(
-                Outline::from_svg_path(bad).map_err(|error| error.parameter),
-                Err("Outline.path".into())
-            );
-        }
-        assert_eq!(named(&Outline::from_svg_path("").expect("an empty path")), Err("Outline.corners".into()));
     }
 
     proptest! {

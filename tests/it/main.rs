@@ -14,6 +14,8 @@ mod foliage;
 #[cfg(feature = "json")]
 mod growth;
 mod hull;
+#[cfg(feature = "import")]
+mod import;
 #[cfg(feature = "testing")]
 mod invariants;
 mod layers;

@@ -1,8 +1,10 @@
 //! Solids bounded by triangles.
 
+mod cells;
 #[cfg(feature = "import")]
 mod file;
 mod prepare;
+mod sheet;
 #[cfg(test)]
 mod tests;
 mod winding;
@@ -13,9 +15,13 @@ use std::sync::Arc;
 use glam::Vec3;
 use rand::RngExt;
 
+use self::cells::Cells;
+#[cfg(feature = "import")]
+pub use self::file::{Import, MeshFormat};
 use self::prepare::prepare;
 use self::winding::{Winding, area_vector};
-use super::{Bounds, Shape};
+use super::{Bounds, Shape, check_fit};
+use crate::ParameterError;
 
 /// What a surface of triangles encloses: a model as the shape of a crown.
 ///
@@ -24,10 +30,14 @@ use super::{Bounds, Shape};
 /// and [`check`](Shape::check) has nothing left to say. Cloning shares the triangles.
 ///
 /// Small flaws do not matter: vertices in one place are one, triangles without area are left out, triangles that look
-/// the other way than their neighbours are turned, and holes are closed by what is around them. [`flaws`](Self::flaws)
-/// says what there was. Refused is a surface that leaves in doubt what is inside of it.
+/// the other way than their neighbours are turned, those that lie on one another count once, flat sheets that enclose
+/// nothing are left out beside a closed surface, and holes are closed by what is around them. [`flaws`](Self::flaws)
+/// says what there was. A wall between two solids that share a face is no flaw. Refused is a surface that leaves in doubt
+/// what is inside of it.
 ///
-/// Memory: about 52 bytes a triangle. [`contains`](Shape::contains) takes O(log n).
+/// Memory: about 120 bytes a triangle, up to 350 if they are long and thin. [`contains`](Shape::contains) takes O(1) in a
+/// closed surface of triangles that are about as large everywhere, however thin they are, and O(log n) in one with holes, if
+/// its triangles are not thin.
 ///
 /// ```
 /// use treesynth::{Shape, glam::Vec3, shape::TriangleMesh};
@@ -50,6 +60,8 @@ pub struct TriangleMesh {
 #[derive(Debug, PartialEq)]
 struct Solid {
     winding: Winding,
+    /// For a closed surface.
+    cells: Option<Cells>,
     bounds: Bounds,
     volume: f32,
     flaws: Flaws,
@@ -65,6 +77,10 @@ pub struct Flaws {
     pub without_area: usize,
     /// Triangles that looked inward, or the other way than those beside them, and were turned.
     pub turned: usize,
+    /// Triangles that lay on others, and were left out.
+    pub doubled: usize,
+    /// Triangles of flat sheets that enclose nothing, left out beside a surface that is closed without them.
+    pub loose: usize,
     /// Sides of triangles with no other triangle at them: the edges of holes.
     pub open_sides: usize,
     /// The volume in which the winding number is nearer to a half than to 0 or 1, over the volume enclosed; 0 for a
@@ -92,6 +108,8 @@ impl fmt::Display for Flaws {
         let parts = [
             (self.without_area, format!("{} triangles without area", self.without_area)),
             (self.turned, format!("{} triangles that looked the wrong way", self.turned)),
+            (self.doubled, format!("{} triangles that lay on others", self.doubled)),
+            (self.loose, format!("{} triangles of loose sheets", self.loose)),
             (self.open_sides, holes),
         ];
         let there: Vec<String> = parts.into_iter().filter(|part| part.0 > 0).map(|part| part.1).collect();
@@ -148,9 +166,12 @@ pub enum TriangleMeshError {
         /// As [`Flaws::doubt`].
         doubt: f32,
     },
-    /// A file that cannot be read.
+    /// An option out of its range.
+    #[error(transparent)]
+    Parameter(#[from] ParameterError),
+    /// A file that cannot be read: its kind, the place in it, what was found and what would do.
     #[cfg(feature = "import")]
-    #[error("the file: {0}")]
+    #[error("{0}")]
     File(String),
 }
 
@@ -175,8 +196,10 @@ impl TriangleMesh {
         let winding = Winding::new(prepared.triangles);
         let bounds = Bounds::of(winding.triangles().iter().flatten().copied());
         let mut flaws = prepared.flaws;
-        let survey = Survey::of(&winding, bounds);
         let open_sides = flaws.open_sides;
+        let cells = (open_sides == 0).then(|| Cells::new(winding.triangles(), bounds));
+        let mut solid = Solid { winding, cells, bounds, volume: 0.0, flaws, areas: Vec::new() };
+        let survey = Survey::of(|point| solid.number(point), bounds);
         let mut volume = prepared.volume as f32;
         if open_sides > 0 {
             flaws.doubt = survey.doubtful as f32 / survey.inside.max(1) as f32;
@@ -188,14 +211,12 @@ impl TriangleMesh {
             }
         }
         if open_sides > 0 || survey.overlaps {
-            volume = bounds.volume() * survey.inside as f32 / survey.points as f32;
+            let lattice = bounds.volume() * survey.inside as f32 / survey.points as f32;
+            // A lattice may miss what is thin.
+            volume = if survey.inside == 0 { volume } else { lattice };
         }
-        let size = bounds.size().max_element();
-        // Less is rounding.
-        if volume <= 1e-10 * size * size * size {
-            return Err(TriangleMeshError::Nothing { open_sides });
-        }
-        let areas = winding
+        let areas: Vec<f64> = solid
+            .winding
             .triangles()
             .iter()
             .scan(0.0, |sum, triangle| {
@@ -203,14 +224,25 @@ impl TriangleMesh {
                 Some(*sum)
             })
             .collect();
-        Ok(Self { solid: Arc::new(Solid { winding, bounds, volume, flaws, areas }) })
+        // Rounding of corners moves each triangle by so much.
+        let size = f64::from(bounds.size().max_element());
+        let rounding = areas.last().map_or(0.0, |area| area * size * f64::from(f32::EPSILON));
+        // Sheets that lie on one another and look both ways.
+        let cancels = open_sides == 0 && prepared.volume <= rounding && survey.inside < survey.points / 100;
+        if f64::from(volume) <= rounding || volume <= 0.0 || cancels {
+            return Err(TriangleMeshError::Nothing { open_sides });
+        }
+        (solid.volume, solid.flaws, solid.areas) = (volume, flaws, areas);
+        Ok(Self { solid: Arc::new(solid) })
     }
 
-    /// Enlarged and moved to stand on the height `base` and to be `height` metres high, its box's middle above the origin.
+    /// Enlarged and moved to stand on the height `base` (-1e6 to 1e6) and to be `height` metres high (1e-6 to 1e6), its
+    /// box's middle above the origin.
     ///
     /// # Errors
-    /// When the result is out of range.
+    /// A base or a height out of range, or a result.
     pub fn fitted(&self, base: f32, height: f32) -> Result<Self, TriangleMeshError> {
+        check_fit("TriangleMesh", base, height)?;
         let bounds = self.solid.bounds;
         let scale = height / bounds.size().y;
         let foot = bounds.center().with_y(bounds.min.y);
@@ -236,10 +268,19 @@ impl TriangleMesh {
         self.solid.winding.triangles()
     }
 
-    /// The generalized winding number at `point`: about 1 inside, about 0 outside, within 0.03 of the exact one. NaN for
-    /// a point that is not finite. O(log n).
+    /// The generalized winding number at `point`: about 1 inside, about 0 outside; exact if the surface is closed, else
+    /// within 0.03 of the exact one. NaN for a point that is not finite. As fast as [`contains`](Shape::contains).
     pub fn winding_number(&self, point: Vec3) -> f32 {
-        self.solid.winding.number(point)
+        self.solid.number(point)
+    }
+}
+
+impl Solid {
+    fn number(&self, point: Vec3) -> f32 {
+        match &self.cells {
+            Some(cells) if point.is_finite() => cells.winding(self.winding.triangles(), point) as f32,
+            _ => self.winding.number(point),
+        }
     }
 }
 
@@ -253,10 +294,10 @@ struct Survey {
 }
 
 impl Survey {
-    fn of(winding: &Winding, bounds: Bounds) -> Self {
+    fn of(number: impl Fn(Vec3) -> f32, bounds: Bounds) -> Self {
         let mut survey = Self { points: 0, inside: 0, doubtful: 0, overlaps: false };
         super::lattice(bounds, CELLS, |point| {
-            let number = winding.number(point);
+            let number = number(point);
             survey.points += 1;
             survey.inside += u32::from(number > 0.5);
             survey.doubtful += u32::from((number - 0.5).abs() < 0.25);
@@ -268,7 +309,7 @@ impl Survey {
 
 impl Shape for TriangleMesh {
     fn contains(&self, point: Vec3) -> bool {
-        self.solid.bounds.contains(point) && self.solid.winding.number(point) > 0.5
+        self.solid.bounds.contains(point) && self.solid.number(point) > 0.5
     }
 
     fn bounds(&self) -> Bounds {

@@ -2,6 +2,7 @@
 
 use glam::{DVec3, Vec3};
 
+use super::sheet;
 use super::winding::{Winding, area_vector};
 use super::{Flaws, TriangleMeshError};
 use crate::shape::LARGEST;
@@ -16,9 +17,9 @@ pub(super) struct Prepared {
 
 /// A side of a triangle, named by its ends, the lower first.
 #[derive(PartialEq, Eq, PartialOrd, Ord)]
-struct Side {
-    ends: [u32; 2],
-    triangle: u32,
+pub(super) struct Side {
+    pub(super) ends: [u32; 2],
+    pub(super) triangle: u32,
     /// Whether the triangle goes from the lower end to the higher.
     ascends: bool,
 }
@@ -44,8 +45,19 @@ pub(super) fn prepare(positions: &[Vec3], triangles: &[[u32; 3]]) -> Result<Prep
     if kept.is_empty() {
         return Err(TriangleMeshError::Empty);
     }
-    let before = kept.clone();
-    let patches = orient(&mut kept, place);
+    sheet::single(&mut kept, &mut flaws);
+    let mut before = kept.clone();
+    let mut patches = orient(&mut kept, place);
+    if let Some(loose) = sheet::loose(&kept, &patches, place) {
+        flaws.loose = loose.iter().filter(|&&loose| loose).count();
+        let mut stays = loose.iter().map(|loose| !loose);
+        let mut keep = || stays.next().unwrap_or(true);
+        kept.retain(|_| keep());
+        let mut stays = loose.iter().map(|loose| !loose);
+        before.retain(|_| stays.next().unwrap_or(true));
+        let mut stays = loose.iter().map(|loose| !loose);
+        patches.of.retain(|_| stays.next().unwrap_or(true));
+    }
     turn_outward(&mut kept, &patches, place);
     flaws.turned = kept.iter().zip(&before).filter(|(now, then)| now != then).count();
     flaws.open_sides = open_sides(&kept);
@@ -71,7 +83,8 @@ fn weld(positions: &[Vec3]) -> Vec<u32> {
     names
 }
 
-fn sides(triangles: &[[u32; 3]]) -> Vec<Side> {
+/// The sides of all triangles; those between the same ends one after the other.
+pub(super) fn sides(triangles: &[[u32; 3]]) -> Vec<Side> {
     let mut sides: Vec<Side> = (0_u32..)
         .zip(triangles)
         .flat_map(|(triangle, &[a, b, c])| {
@@ -87,19 +100,34 @@ fn sides(triangles: &[[u32; 3]]) -> Vec<Side> {
 }
 
 /// Sides that as many triangles do not run down as run up, each as often as it is so.
-fn open_sides(triangles: &[[u32; 3]]) -> usize {
-    let sides = sides(triangles);
-    sides
-        .chunk_by(|a, b| a.ends == b.ends)
-        .map(|same| (2 * same.iter().filter(|side| side.ascends).count()).abs_diff(same.len()))
-        .sum()
+pub(super) fn open_sides(triangles: &[[u32; 3]]) -> usize {
+    sides(triangles).chunk_by(|a, b| a.ends == b.ends).map(unbalanced).sum()
+}
+
+/// Of the sides between two ends: by how much more run one way than the other.
+fn unbalanced(same: &[Side]) -> usize {
+    (2 * same.iter().filter(|side| side.ascends).count()).abs_diff(same.len())
 }
 
 /// Triangles that hang together by sides of two.
-struct Patches {
+pub(super) struct Patches {
     /// The patch of each triangle.
-    of: Vec<u32>,
-    count: usize,
+    pub(super) of: Vec<u32>,
+    pub(super) count: usize,
+}
+
+impl Patches {
+    /// Whether each patch has sides at which it is not closed by itself.
+    pub(super) fn open(&self, triangles: &[[u32; 3]]) -> Vec<bool> {
+        let mut open = vec![false; self.count];
+        let mut sides = sides(triangles);
+        let of = |side: &Side| self.of[side.triangle as usize];
+        sides.sort_unstable_by_key(|side| (side.ends, of(side), side.triangle, side.ascends));
+        for same in sides.chunk_by(|a, b| a.ends == b.ends && of(a) == of(b)) {
+            open[of(&same[0]) as usize] |= unbalanced(same) > 0;
+        }
+        open
+    }
 }
 
 /// Turns the triangles of each patch to one side: the one that most of their area looks to.
@@ -176,15 +204,10 @@ fn turn_outward(triangles: &mut [[u32; 3]], patches: &Patches, place: impl Fn(u3
     if volumes.iter().all(|&volume| volume >= 0.0) {
         return;
     }
-    let mut open = vec![false; patches.count];
+    let open = patches.open(triangles);
     let mut first = vec![None; patches.count];
     for (&patch, corners) in patches.of.iter().zip(triangles.iter()) {
         first[patch as usize].get_or_insert(corners[0]);
-    }
-    for same in sides(triangles).chunk_by(|a, b| a.ends == b.ends) {
-        if same.len() == 1 {
-            open[patches.of[same[0].triangle as usize] as usize] = true;
-        }
     }
     let outward =
         patches.of.iter().zip(triangles.iter()).filter(|&(&patch, _)| volumes[patch as usize] > 0.0);

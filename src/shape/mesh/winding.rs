@@ -80,6 +80,14 @@ impl Winding {
     }
 }
 
+#[cfg(test)]
+impl Winding {
+    /// The plain sum, O(n).
+    pub(super) fn exact(&self, point: Vec3) -> f32 {
+        self.triangles.iter().map(|triangle| solid_angle(triangle, point)).sum::<f32>() / (4.0 * PI)
+    }
+}
+
 /// What a node is made of, summed in an order that is the same everywhere.
 #[derive(Clone, Copy)]
 struct Sums {

@@ -1,5 +1,8 @@
 //! Files read back by readers that nobody here wrote, and compared with files as they once were.
 
+#[cfg(feature = "import")]
+mod axes;
+
 use crate::sample::{cases, fnv1a};
 use proptest::prelude::*;
 use std::fs;
