@@ -28,10 +28,7 @@ fn graded(site: Site, trunk: f32, crown: Ellipsoid, first: &[Stage]) -> TreeSynt
     let synth = first
         .iter()
         .cloned()
-        .fold(
-            TreeSynth::new(GradedYao::new(site.region(), sizing).with_nodes(site.nodes)),
-            TreeSynth::stage,
-        )
+        .fold(TreeSynth::new(GradedYao::new(site.region(), sizing).with_nodes(site.nodes)), TreeSynth::stage)
         .stage(twigs(4, 0.7, 0.45))
         .stage(twigs(4, 0.5, 0.28))
         .stage(twigs(3, 0.35, 0.5));

@@ -6,6 +6,7 @@ mod allocations;
 #[cfg(feature = "json")]
 mod bad_input;
 mod blob;
+mod drawn;
 mod exports;
 mod figures;
 mod foliage;

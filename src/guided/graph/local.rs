@@ -19,7 +19,8 @@ pub(in crate::guided) fn around_tree(
     observer: &dyn Observer,
 ) -> Result<Graph, GraphError> {
     let tree = &carried.positions;
-    let positions = Discs { region, fixed: tree, spacing, planar: sectors.are_planar() }.place(seed, observer)?;
+    let positions =
+        Discs { region, fixed: tree, spacing, planar: sectors.are_planar() }.place(seed, observer)?;
     let near = yao(&positions, sectors, Reach::Same(longest), observer)?;
     let mut children: Vec<(u32, u32)> =
         (0u32..).zip(&carried.tree.parents).map(|(child, &parent)| (parent, child)).collect();

@@ -250,8 +250,7 @@ impl GraphBuilder for PoissonYao {
         if let Some(planted) = planted {
             return around_tree(&*self.region, &planted, spacing, reach, &sectors, seed, observer);
         }
-        let discs =
-            Discs { region: &*self.region, fixed: &self.roots, spacing, planar: self.planar };
+        let discs = Discs { region: &*self.region, fixed: &self.roots, spacing, planar: self.planar };
         let positions = discs.place(seed, observer)?;
         let Adjacency { starts, targets } = yao(&positions, &sectors, Reach::Same(reach), observer)?;
         let graph = Graph::from_parts(positions, starts, targets, 0);

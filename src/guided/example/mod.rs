@@ -1,0 +1,246 @@
+//! More trees of the kind of an example (section 5).
+
+mod axis;
+mod laterals;
+mod learn;
+mod radii;
+
+pub use learn::{OrderTraits, TrunkTraits};
+
+use super::graph::{Leader, PoissonYao};
+use super::refine::Refinement;
+use super::rule::{Bend, ForkAngle};
+use super::synth::{Stage, SynthesisError, TreeSynth};
+use crate::math::cbrt;
+use crate::metrics::crown_width;
+use crate::parameter::ParameterError;
+use crate::radius::{PipeModel, Taper};
+use crate::random::{Purpose, derive};
+use crate::shape::Cuboid;
+use crate::skeleton::Skeleton;
+use glam::Vec3;
+use laterals::{FromOrder, LateralsLike, is_round};
+use learn::{Crown, Model, models, traits};
+use radii::TipShare;
+use std::sync::Arc;
+
+/// What a tree is like, measured on a skeleton, and a [`TreeSynth`] that grows more of its kind.
+///
+/// Measured are, order by order, how branches are spaced along their parent branches, the angles at which they leave, how
+/// they bend, how long they are and where they end; the trunk's length, waywardness, clear bole and diameter; the
+/// crown's extent at each height; and thickness by the share of tips that a branch bears.
+///
+/// The synthesizer has one stage an order. Its endpoints are laterals of the example's branches of like length, scaled
+/// to the branch that bears them, at other places and to other sides for each seed; its rule is a
+/// [`ForkAngle`] with the measured angle and spread, then a [`Bend`]. The graph's irregularity changes angles, lengths and
+/// numbers a little: [`tuned`](Self::tuned) grows trees, measures them in the same way and corrects for it.
+///
+/// Endpoints are drawn as from a sample, so what the example never does does not happen: one tree says little about
+/// its kind.
+///
+/// ```
+/// use treesynth::{Metrics, guided::Example, presets};
+///
+/// let oak = presets::by_name("fine-oak").expect("a preset").synth(8_000).synthesize(1)?;
+/// let example = Example::of(&oak)?;
+/// assert!(example.orders()[1].angle > 0.3 && example.trunk().diameter > 0.1);
+///
+/// let kind = example.synth(8_000);
+/// let [one, other] = [kind.synthesize(1)?, kind.synthesize(2)?];
+/// assert_ne!(one, other);
+/// let [height, grown] = [&oak, &one].map(|tree| Metrics::of(tree).height);
+/// assert!((grown / height - 1.0).abs() < 0.2);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Debug, Clone)]
+pub struct Example {
+    base: Vec3,
+    trunk: TrunkTraits,
+    orders: Vec<OrderTraits>,
+    models: Vec<Arc<Vec<Model>>>,
+    crown: Crown,
+    width: f32,
+    internode: f32,
+    radii: Option<TipShare>,
+    round: bool,
+    tuning: Tuning,
+}
+
+/// What makes up for the graph.
+#[derive(Debug, Clone, PartialEq)]
+struct Tuning {
+    /// By order of the laterals, from 1.
+    rates: Vec<f32>,
+    stretches: Vec<f32>,
+    /// Radians.
+    angles: Vec<f32>,
+    /// Of crown and limbs.
+    wide: f32,
+    high: f32,
+}
+
+/// Branches of higher orders are not grown.
+const ORDERS: usize = 8;
+/// Edges of the graph are so many spacings long.
+const EDGE: f32 = 1.25;
+/// Nodes in a cube of the spacing.
+const DENSITY: f32 = 0.67;
+/// Spacings in a lateral of common length, so that it can have a direction of its own.
+const FINE: f32 = 4.0;
+/// How far a correction goes towards what was measured.
+const DAMPING: f32 = 0.7;
+
+impl Example {
+    /// Measures a tree. Its thickness is taken over if it has any. O(n log n).
+    ///
+    /// # Errors
+    /// A tree without length, or without branches besides its trunk.
+    pub fn of(skeleton: &Skeleton) -> Result<Self, ParameterError> {
+        let branches = skeleton.branches().len();
+        ParameterError::unless(branches > 1, "Example.skeleton", branches, "a tree of at least 2 branches")?;
+        let mut models = models(skeleton);
+        let orders = traits(skeleton, &models);
+        let trunk = TrunkTraits::of(skeleton, &models);
+        let tall = trunk.chord.length();
+        ParameterError::unless(
+            tall > 1e-3 && tall <= 1e6,
+            "Example.skeleton",
+            tall,
+            "with a trunk of 1e-3 to 1e6 m",
+        )?;
+        models.truncate(ORDERS);
+        let length: f32 = orders.iter().map(|order| order.length * order.count as f32).sum();
+        let laterals = models.len() - 1;
+        Ok(Self {
+            base: skeleton.positions()[0],
+            trunk,
+            round: is_round(&models[0][0]),
+            models: models.into_iter().map(Arc::new).collect(),
+            crown: Crown::of(skeleton),
+            width: crown_width(skeleton) as f32,
+            internode: length / skeleton.segments() as f32,
+            radii: TipShare::of(skeleton),
+            orders,
+            tuning: Tuning {
+                rates: vec![1.0; laterals],
+                stretches: vec![1.0; laterals],
+                angles: vec![0.0; laterals],
+                wide: 1.0,
+                high: 1.0,
+            },
+        })
+    }
+
+    /// What branches of each order are like, the trunk first.
+    pub fn orders(&self) -> &[OrderTraits] {
+        &self.orders
+    }
+
+    /// What the trunk is like.
+    pub fn trunk(&self) -> TrunkTraits {
+        self.trunk
+    }
+
+    /// Grows `trials` trees, one after the other, on graphs of about `nodes` nodes, and after each corrects numbers, lengths
+    /// and angles of each order, and the crown's width and height, by what is measured on it. 4 trials are a good number; the
+    /// correction is for that many nodes. The time of so many trees.
+    ///
+    /// # Errors
+    /// As [`TreeSynth::synthesize`].
+    pub fn tuned(mut self, nodes: usize, trials: u32) -> Result<Self, SynthesisError> {
+        for trial in 0..trials {
+            let seed = derive(u64::from(trial), 0, Purpose::ENDPOINTS);
+            self.correct(&self.synth(nodes).synthesize(seed)?);
+        }
+        Ok(self)
+    }
+
+    fn correct(&mut self, grown: &Skeleton) {
+        let models = models(grown);
+        let measured = traits(grown, &models);
+        let towards = |value: &mut f32, wanted: f32, found: f32| {
+            let ratio = (wanted / found.max(1e-6)).clamp(0.4, 2.5);
+            *value = (*value * crate::math::powf(ratio, DAMPING)).clamp(0.2, 5.0);
+        };
+        for order in 1..self.models.len() {
+            let (wanted, before) = (self.orders[order], self.orders[order - 1]);
+            let Some(found) = measured.get(order).filter(|found| found.count > 0) else {
+                self.tuning.rates[order - 1] = (self.tuning.rates[order - 1] * 1.5).min(5.0);
+                continue;
+            };
+            // Per branch of the order before, which is corrected too.
+            let ratio = |own: usize, parents: usize| own as f32 / parents.max(1) as f32;
+            let [wanted_rate, found_rate] =
+                [ratio(wanted.count, before.count), ratio(found.count, measured[order - 1].count)];
+            towards(&mut self.tuning.rates[order - 1], wanted_rate, found_rate);
+            towards(&mut self.tuning.stretches[order - 1], wanted.length, found.length);
+            let angle = &mut self.tuning.angles[order - 1];
+            *angle = (*angle + DAMPING * (wanted.angle - found.angle)).clamp(-1.0, 1.0);
+        }
+        let crown = Crown::of(grown);
+        towards(&mut self.tuning.wide, self.width, crown_width(grown) as f32);
+        towards(&mut self.tuning.high, self.crown.high, crown.high);
+        self.tuning.wide = self.tuning.wide.clamp(0.7, 1.4);
+        self.tuning.high = self.tuning.high.clamp(0.7, 1.4);
+    }
+
+    /// A synthesizer of more such trees on graphs of about `nodes` nodes in [2, 200000000]; a stage whose branches are too
+    /// short for that has a finer graph around the tree.
+    pub fn synth(&self, nodes: usize) -> TreeSynth {
+        let crown = self.crown.scaled(self.tuning.wide, self.tuning.high);
+        let half = crown.widest().max(0.05 * crown.high) * 1.1;
+        let (low, high) = ((crown.low * 1.05).min(0.0), crown.high * 1.1);
+        let region = Cuboid::new(
+            self.base + Vec3::new(-half, low - 1e-3 * high, -half),
+            self.base + Vec3::new(half, high, half),
+        );
+        let volume = 4.0 * half * half * (high - low);
+        let finest = |volume: f32, nodes: f32| cbrt(DENSITY * volume / nodes.max(2.0));
+        let mut spacing = finest(volume, nodes as f32).max(self.internode / EDGE);
+        let tuning = &self.tuning;
+        let chord = self.trunk.chord * Vec3::new(1.0, tuning.high, 1.0);
+        let leader = Leader::new(self.base, self.base + chord).with_waywardness(self.trunk.waywardness);
+        let mut synth = TreeSynth::new(PoissonYao::new(region).with_spacing(spacing).with_leader(leader));
+        let mut length = self.orders[0].length;
+        for order in 1..self.models.len() {
+            let own = self.orders[order];
+            let stretch = Vec3::splat(tuning.stretches[order - 1]);
+            let stretch =
+                if order == 1 { stretch * Vec3::new(tuning.wide, 1.0, tuning.wide) } else { stretch };
+            let angle = (own.angle + tuning.angles[order - 1]).clamp(0.02, 3.1);
+            // A uniform distribution has a standard deviation of its half width over √3.
+            let rule = ForkAngle::new(angle, Bend::constant(own.bend.clamp(-1.5, 1.5)).with_hop_length(1.0))
+                .with_spread((own.angle_spread * 3f32.sqrt()).min(1.2));
+            let endpoints = LateralsLike {
+                models: self.models[order - 1].clone(),
+                order: order as u16 - 1,
+                rate: tuning.rates[order - 1],
+                stretch,
+                crown: crown.clone(),
+                round: self.round,
+            };
+            let weight = FromOrder { order: order as u16 - 1, price: own.length };
+            let mut stage = Stage::new(rule, endpoints).with_weight(weight);
+            let models = &self.models[order];
+            let at = |share: f32| models[(share * (models.len() - 1) as f32) as usize].length;
+            let reach = 1.2 * at(0.95) + 2.0 * spacing;
+            // What lies so near to the tree so far.
+            let around = (length * std::f32::consts::PI * reach * reach).min(volume);
+            let wanted = (at(0.4) / FINE).max(self.internode / EDGE).max(finest(around, 1.5 * nodes as f32));
+            if wanted < 0.75 * spacing {
+                spacing = wanted;
+                let hops = (reach / (1.3 * spacing)).ceil().clamp(3.0, 24.0) as u32;
+                stage = stage.with_refinement(Refinement::new(region, spacing).with_reach(hops));
+            }
+            length += own.length * own.count as f32;
+            synth = synth.stage(stage);
+        }
+        match &self.radii {
+            None => synth.with_radius(PipeModel::default()),
+            Some(radii) => match radii.taper {
+                Some(tip) => synth.with_radius(Taper::new(radii.clone()).with_tip_fraction(tip)),
+                None => synth.with_radius(radii.clone()),
+            },
+        }
+    }
+}
