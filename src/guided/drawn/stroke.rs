@@ -140,6 +140,14 @@ impl Stroke {
         self
     }
 
+    /// Where its points are, metres.
+    pub fn places(&self) -> Vec<Vec3> {
+        match &self.line {
+            Line::Space(points) => points.clone(),
+            Line::Flat(canvas, points) => points.iter().map(|&point| canvas.point(point)).collect(),
+        }
+    }
+
     /// Radius at a share of the way from base to tip; 0 where none is given.
     pub(super) fn radius(&self, share: f32) -> f32 {
         self.diameters.map_or(0.0, |[base, tip]| (base + (tip - base) * share) * 0.5)
@@ -147,13 +155,10 @@ impl Stroke {
 
     /// The given points in space. `name` is what errors call the stroke.
     pub(super) fn points(&self, name: &str) -> Result<Vec<Vec3>, ParameterError> {
-        let points: Vec<Vec3> = match &self.line {
-            Line::Space(points) => points.clone(),
-            Line::Flat(canvas, points) => {
-                canvas.check()?;
-                points.iter().map(|&point| canvas.point(point)).collect()
-            }
-        };
+        if let Line::Flat(canvas, _) = &self.line {
+            canvas.check()?;
+        }
+        let points = self.places();
         let count = points.len();
         ParameterError::unless(count >= 2, &format!("{name}.points"), count, "at least 2 points")?;
         for (number, &point) in points.iter().enumerate() {

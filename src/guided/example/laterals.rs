@@ -29,10 +29,11 @@ pub(super) struct LateralsLike {
     pub(super) round: bool,
 }
 
-/// Branches of about the same length that a model is drawn from.
-const LIKE: usize = 8;
+/// How much longer a branch may be than the one it is modelled on, or shorter; and the most that one is drawn from, each way.
+const LIKE: f32 = 1.25;
+const MODELS: usize = 6;
 /// Laterals up and down the trunk that a limb takes its form from.
-const NEIGHBOURS: i64 = 2;
+const NEIGHBOURS: f32 = 4.0;
 /// The golden angle: limbs of a trunk in turn lie in gaps of those before.
 const GOLDEN_ANGLE: f32 = 2.399_963;
 /// Steps in which what leaves the crown is drawn back.
@@ -42,9 +43,12 @@ const STEPS: usize = 9;
 impl LateralsLike {
     fn model(&self, length: f32, random: &mut ChaCha8Rng) -> Option<&Model> {
         let last = self.models.len().checked_sub(1)?;
-        let at = self.models.partition_point(|model| model.length < length) as i64;
-        let low = (at - LIKE as i64 / 2).clamp(0, (last as i64 - LIKE as i64 + 1).max(0)) as usize;
-        let high = (low + LIKE - 1).min(last);
+        let at = self.models.partition_point(|model| model.length < length).min(last);
+        let nearer = at > 0 && length - self.models[at - 1].length < self.models[at].length - length;
+        let at = at - usize::from(nearer);
+        let is_like = |model: &Model| model.length <= length * LIKE && model.length >= length / LIKE;
+        let low = (at.saturating_sub(MODELS)..at).find(|&i| is_like(&self.models[i])).unwrap_or(at);
+        let high = (at + 1..=(at + MODELS).min(last)).rev().find(|&i| is_like(&self.models[i])).unwrap_or(at);
         self.models.get(random.random_range(low..=high))
     }
 
@@ -55,6 +59,10 @@ impl LateralsLike {
         let gap = 1.0 / model.laterals.len().max(1) as f32;
         let mirrored = if random.random::<bool>() { 1.0 } else { -1.0 };
         let mut azimuth = random.random::<f32>() * TAU;
+        // Limbs of the trunk change places with near ones.
+        let mut forms: Vec<(f32, usize)> =
+            (0..model.laterals.len()).map(|i| (i as f32 + NEIGHBOURS * random.random::<f32>(), i)).collect();
+        forms.sort_by(|a, b| a.0.total_cmp(&b.0));
         for (number, lateral) in model.laterals.iter().enumerate() {
             let copies = self.rate.floor() as u32 + u32::from(random.random::<f32>() < self.rate.fract());
             for copy in 0..copies {
@@ -65,7 +73,11 @@ impl LateralsLike {
                 let way = if self.order == 0 {
                     azimuth += GOLDEN_ANGLE;
                     let turn = azimuth + 0.4 * jitter();
-                    self.of_trunk(model, number, turn, random)
+                    self.of_trunk(
+                        model.laterals[if self.round { forms[number].1 } else { number }].chord,
+                        turn,
+                        random,
+                    )
                 } else {
                     let [along, up, side] = frame(axis.direction(place));
                     let Lateral { chord, .. } = lateral;
@@ -89,10 +101,7 @@ impl LateralsLike {
     }
 
     /// A limb has the form of a near one, and a side of its own.
-    fn of_trunk(&self, model: &Model, number: usize, turn: f32, random: &mut ChaCha8Rng) -> Vec3 {
-        let last = model.laterals.len() as i64 - 1;
-        let other = (number as i64 + random.random_range(-NEIGHBOURS..=NEIGHBOURS)).clamp(0, last);
-        let chord = model.laterals[if self.round { other as usize } else { number }].chord;
+    fn of_trunk(&self, chord: Vec3, turn: f32, random: &mut ChaCha8Rng) -> Vec3 {
         let out = chord.with_y(0.0);
         if self.round {
             let (sin, cos) = sin_cos(turn);
@@ -142,7 +151,8 @@ pub(super) struct FromOrder {
 
 impl WeightFn for FromOrder {
     fn weight(&self, edge: &Edge<'_>) -> f32 {
-        let guided = edge.guided();
+        // Small deviations cost less than in the paper, large ones more: paths keep to their angle.
+        let guided = edge.length * edge.deviation() * edge.deviation();
         if edge.hops == 0 {
             let fork = edge.fork();
             let wrong = fork.order != self.order || fork.to_tip <= 0.0;

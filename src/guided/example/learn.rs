@@ -122,6 +122,16 @@ fn mean_and_spread(values: &[f32]) -> (f32, f32) {
     (mean, (values.iter().map(|value| (value - mean) * (value - mean)).sum::<f32>() / count).sqrt())
 }
 
+/// Mean and standard deviation of the angles between branches and the chords of their laterals, radians.
+pub(super) fn chord_angles(models: &[Model]) -> [f32; 2] {
+    // The trunk's laterals are in the world's axes.
+    let axis = if models.len() == 1 { UP } else { Vec3::X };
+    let chords = models.iter().flat_map(|model| &model.laterals).map(|lateral| lateral.chord);
+    let angles: Vec<f32> = chords.map(|chord| crate::math::angle_between(chord, axis)).collect();
+    let (mean, spread) = mean_and_spread(&angles);
+    [mean, spread]
+}
+
 /// How far a crown reaches at each height, from the trunk base.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Crown {
@@ -199,7 +209,10 @@ impl TrunkTraits {
         let farthest = branch.points.iter().map(away).fold(0.0, f32::max);
         let trunk = &models[0][0];
         let clear = trunk.laterals.first().map_or(1.0, |lateral| lateral.share) * trunk.length;
-        let waywardness = (farthest / chord.length().max(1e-6)).min(0.5);
+        let straight = chord.length().max(1e-6);
+        // A trunk that turns aside at once strays far on a short way; waves as high would make it much longer.
+        let most = 0.6 * (branch.length() / straight - 1.0).max(0.0).sqrt();
+        let waywardness = (farthest / straight).min(most).min(0.5);
         Self { chord, waywardness, clear_bole: clear, diameter: skeleton.radii()[0] * 2.0 }
     }
 }

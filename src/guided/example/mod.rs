@@ -4,6 +4,7 @@ mod axis;
 mod laterals;
 mod learn;
 mod radii;
+mod redraw;
 
 pub use learn::{OrderTraits, TrunkTraits};
 
@@ -14,7 +15,7 @@ use super::synth::{Stage, SynthesisError, TreeSynth};
 use crate::math::cbrt;
 use crate::metrics::crown_width;
 use crate::parameter::ParameterError;
-use crate::radius::{PipeModel, Taper};
+use crate::radius::{PipeModel, RadiusModel, Taper};
 use crate::random::{Purpose, derive};
 use crate::shape::Cuboid;
 use crate::skeleton::Skeleton;
@@ -22,6 +23,7 @@ use glam::Vec3;
 use laterals::{FromOrder, LateralsLike, is_round};
 use learn::{Crown, Model, models, traits};
 use radii::TipShare;
+use redraw::Redraw;
 use std::sync::Arc;
 
 /// What a tree is like, measured on a skeleton, and a [`TreeSynth`] that grows more of its kind.
@@ -62,6 +64,7 @@ pub struct Example {
     width: f32,
     internode: f32,
     radii: Option<TipShare>,
+    redraw: Redraw,
     round: bool,
     tuning: Tuning,
 }
@@ -72,8 +75,6 @@ struct Tuning {
     /// By order of the laterals, from 1.
     rates: Vec<f32>,
     stretches: Vec<f32>,
-    /// Radians.
-    angles: Vec<f32>,
     /// Of crown and limbs.
     wide: f32,
     high: f32,
@@ -87,7 +88,7 @@ const EDGE: f32 = 1.25;
 const DENSITY: f32 = 0.67;
 /// Spacings in a lateral of common length, so that it can have a direction of its own.
 const FINE: f32 = 4.0;
-/// How far a correction goes towards what was measured.
+/// How far the first correction goes towards what was measured; later ones go less far.
 const DAMPING: f32 = 0.7;
 
 impl Example {
@@ -108,6 +109,7 @@ impl Example {
             tall,
             "with a trunk of 1e-3 to 1e6 m",
         )?;
+        let redraw = Redraw::of(skeleton, &models);
         models.truncate(ORDERS);
         let length: f32 = orders.iter().map(|order| order.length * order.count as f32).sum();
         let laterals = models.len() - 1;
@@ -120,11 +122,11 @@ impl Example {
             width: crown_width(skeleton) as f32,
             internode: length / skeleton.segments() as f32,
             radii: TipShare::of(skeleton),
+            redraw,
             orders,
             tuning: Tuning {
                 rates: vec![1.0; laterals],
                 stretches: vec![1.0; laterals],
-                angles: vec![0.0; laterals],
                 wide: 1.0,
                 high: 1.0,
             },
@@ -150,17 +152,18 @@ impl Example {
     pub fn tuned(mut self, nodes: usize, trials: u32) -> Result<Self, SynthesisError> {
         for trial in 0..trials {
             let seed = derive(u64::from(trial), 0, Purpose::ENDPOINTS);
-            self.correct(&self.synth(nodes).synthesize(seed)?);
+            let damping = DAMPING / (1.0 + 0.15 * trial as f32);
+            self.correct(&self.grow(nodes, seed)?, damping);
         }
         Ok(self)
     }
 
-    fn correct(&mut self, grown: &Skeleton) {
+    fn correct(&mut self, grown: &Skeleton, damping: f32) {
         let models = models(grown);
         let measured = traits(grown, &models);
         let towards = |value: &mut f32, wanted: f32, found: f32| {
             let ratio = (wanted / found.max(1e-6)).clamp(0.4, 2.5);
-            *value = (*value * crate::math::powf(ratio, DAMPING)).clamp(0.2, 5.0);
+            *value = (*value * crate::math::powf(ratio, damping)).clamp(0.2, 5.0);
         };
         for order in 1..self.models.len() {
             let (wanted, before) = (self.orders[order], self.orders[order - 1]);
@@ -174,14 +177,34 @@ impl Example {
                 [ratio(wanted.count, before.count), ratio(found.count, measured[order - 1].count)];
             towards(&mut self.tuning.rates[order - 1], wanted_rate, found_rate);
             towards(&mut self.tuning.stretches[order - 1], wanted.length, found.length);
-            let angle = &mut self.tuning.angles[order - 1];
-            *angle = (*angle + DAMPING * (wanted.angle - found.angle)).clamp(-1.0, 1.0);
         }
         let crown = Crown::of(grown);
         towards(&mut self.tuning.wide, self.width, crown_width(grown) as f32);
         towards(&mut self.tuning.high, self.crown.high, crown.high);
         self.tuning.wide = self.tuning.wide.clamp(0.7, 1.4);
         self.tuning.high = self.tuning.high.clamp(0.7, 1.4);
+    }
+
+    /// Grows a tree of the kind on a graph of about `nodes` nodes, as [`synth`](Self::synth) does, and draws its branches
+    /// anew, from the same places to the same tips: with internodes as long as the example's, as straight, and at first
+    /// angles drawn from its own. A graph's nodes stand off each other, so that its paths cannot leave at 20°.
+    ///
+    /// # Errors
+    /// As [`TreeSynth::synthesize`].
+    pub fn grow(&self, nodes: usize, seed: u64) -> Result<Skeleton, SynthesisError> {
+        let tree = self.redraw.apply(&self.synth(nodes).synthesize(seed)?, seed)?;
+        let radii = self.radius().radii(&tree)?;
+        Ok(tree.with_radii(radii)?)
+    }
+
+    fn radius(&self) -> Arc<dyn RadiusModel> {
+        match &self.radii {
+            None => Arc::new(PipeModel::default()),
+            Some(radii) => match radii.taper {
+                Some(tip) => Arc::new(Taper::new(radii.clone()).with_tip_fraction(tip)),
+                None => Arc::new(radii.clone()),
+            },
+        }
     }
 
     /// A synthesizer of more such trees on graphs of about `nodes` nodes in [2, 200000000]; a stage whose branches are too
@@ -207,10 +230,11 @@ impl Example {
             let stretch = Vec3::splat(tuning.stretches[order - 1]);
             let stretch =
                 if order == 1 { stretch * Vec3::new(tuning.wide, 1.0, tuning.wide) } else { stretch };
-            let angle = (own.angle + tuning.angles[order - 1]).clamp(0.02, 3.1);
+            let [mean, spread] = self.redraw.chords[order - 1];
+            let angle = mean.clamp(0.02, 3.1);
             // A uniform distribution has a standard deviation of its half width over √3.
             let rule = ForkAngle::new(angle, Bend::constant(own.bend.clamp(-1.5, 1.5)).with_hop_length(1.0))
-                .with_spread((own.angle_spread * 3f32.sqrt()).min(1.2));
+                .with_spread((spread * 3f32.sqrt()).min(1.2));
             let endpoints = LateralsLike {
                 models: self.models[order - 1].clone(),
                 order: order as u16 - 1,
@@ -235,12 +259,6 @@ impl Example {
             length += own.length * own.count as f32;
             synth = synth.stage(stage);
         }
-        match &self.radii {
-            None => synth.with_radius(PipeModel::default()),
-            Some(radii) => match radii.taper {
-                Some(tip) => synth.with_radius(Taper::new(radii.clone()).with_tip_fraction(tip)),
-                None => synth.with_radius(radii.clone()),
-            },
-        }
+        synth.with_radius(self.radius())
     }
 }

@@ -24,39 +24,73 @@ impl TipShare {
         let mut children = vec![0u32; skeleton.len()];
         skeleton.edges().for_each(|(_, parent)| children[parent] += 1);
         let layers = halvings(tips[0], 1).round() as usize + 1;
-        let mut known: Vec<Vec<f32>> = vec![Vec::new(); layers];
-        known[0].push(radii[0]);
-        let (mut narrowing, mut twigs) = (Vec::new(), Vec::new());
         // Each run: from the first node after a fork to the next fork or a tip.
         let mut first: Vec<usize> = (0..skeleton.len()).collect();
         let mut internodes = vec![0u32; skeleton.len()];
+        let (mut narrowing, mut twigs) = (Vec::new(), Vec::new());
+        let mut thickest = vec![0usize; skeleton.len()];
         for (node, parent) in skeleton.edges() {
             if children[parent] == 1 {
                 first[node] = first[parent];
                 internodes[node] = internodes[parent] + 1;
-            } else {
-                known[halvings(tips[0], tips[node]).round() as usize].push(radii[node]);
+            } else if thickest[parent] == 0 || tips[node] > tips[thickest[parent]] {
+                thickest[parent] = node;
             }
-            if children[node] != 1 && internodes[node] >= 3 && radii[first[node]] > 0.0 {
+            if children[node] != 1 && internodes[node] >= 2 && radii[first[node]] > 0.0 {
                 let share = radii[node] / radii[first[node]];
                 if children[node] == 0 { twigs.push(share) } else { narrowing.push(share) }
             }
         }
+        let mean = |shares: &[f32]| geometric_mean(shares.iter().copied()).unwrap_or(1.0);
+        let tapers = mean(&narrowing) < 0.97 && mean(&twigs) < 0.8;
+        // A run that narrows ends as thick as the thickest that goes on from it begins.
+        let mut known: Vec<[f32; 2]> = vec![[0.0, radii[0]]];
+        for (node, parent) in skeleton.edges() {
+            let begins = children[parent] > 1 && if tapers { thickest[parent] == node } else { true };
+            if begins {
+                known.push([halvings(tips[0], tips[node]), if tapers { radii[parent] } else { radii[node] }]);
+            }
+        }
+        known.retain(|&[_, radius]| radius > 0.0);
+        let Some(slope) = slope(&known) else { return None };
+        // Means at each halving, of what is brought there along the line that all make.
         let mut logs = Vec::new();
         let mut least = f32::INFINITY;
-        for layer in &known {
-            let mean = geometric_mean(layer.iter().copied()).map_or(f32::NAN, ln);
-            least = least.min(mean);
-            logs.push(if mean.is_nan() { f32::NAN } else { least });
+        for layer in 0..layers {
+            let near = |&&[place, _]: &&[f32; 2]| {
+                (layer > 0 && (place - layer as f32).abs() <= 0.5) || place == layer as f32 && layer == 0
+            };
+            let brought =
+                known.iter().filter(near).map(|&[place, radius]| ln(radius) + slope * (layer as f32 - place));
+            let (mut sum, mut count) = (0.0, 0.0);
+            brought.for_each(|log| {
+                sum += log;
+                count += 1.0;
+            });
+            if count > 0.0 {
+                least = least.min(sum / count);
+            }
+            logs.push(if count > 0.0 { least } else { f32::NAN });
         }
         if logs[0].is_nan() {
             return None;
         }
         fill(&mut logs);
-        let mean = |shares: &[f32]| geometric_mean(shares.iter().copied()).unwrap_or(1.0);
-        let tapers = mean(&twigs) < 0.9;
         Some(Self { logs, taper: tapers.then(|| mean(&twigs).clamp(0.05, 1.0)) })
     }
+}
+
+/// Change of the logarithm of the radius for one halving, by regression; `None` without any radius.
+fn slope(known: &[[f32; 2]]) -> Option<f32> {
+    let count = known.len() as f32;
+    let places = known.iter().map(|&[place, _]| place).sum::<f32>() / count;
+    let logs = known.iter().map(|&[_, radius]| ln(radius)).sum::<f32>() / count;
+    let (mut above, mut below) = (0.0, 0.0);
+    for &[place, radius] in known {
+        above += (place - places) * (ln(radius) - logs);
+        below += (place - places) * (place - places);
+    }
+    (!known.is_empty()).then_some(if below > 0.0 { (above / below).min(0.0) } else { 0.0 })
 }
 
 /// Straight lines over gaps.
