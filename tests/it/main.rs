@@ -7,6 +7,7 @@ mod allocations;
 mod bad_input;
 mod blob;
 mod drawn;
+mod example;
 mod exports;
 mod figures;
 mod foliage;

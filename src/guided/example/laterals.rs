@@ -36,9 +36,11 @@ const MODELS: usize = 6;
 const NEIGHBOURS: f32 = 4.0;
 /// The golden angle: limbs of a trunk in turn lie in gaps of those before.
 const GOLDEN_ANGLE: f32 = 2.399_963;
-/// Steps in which what leaves the crown is drawn back.
-const BACK: f32 = 0.92;
-const STEPS: usize = 9;
+/// How much farther back than the crown's end, at most, what would leave it ends; the least share of its length that is left;
+/// and steps to find that.
+const BACK: f32 = 0.15;
+const LEAST: f32 = 0.3;
+const STEPS: usize = 8;
 
 impl LateralsLike {
     fn model(&self, length: f32, random: &mut ChaCha8Rng) -> Option<&Model> {
@@ -89,11 +91,15 @@ impl LateralsLike {
                 let vary = 1.0 + 0.1 * (2.0 * random.random::<f32>() - 1.0);
                 let mut way = way * self.stretch * (scale * vary);
                 let base = axis.points[place];
-                for _ in 0..STEPS {
-                    if self.crown.contains(base + way) {
-                        break;
+                if !self.crown.contains(base + way) {
+                    // To where the crown ends, or a little less far.
+                    let (mut inside, mut outside) = (0.0, 1.0);
+                    for _ in 0..STEPS {
+                        let middle = (inside + outside) * 0.5;
+                        let fits = self.crown.contains(base + way * middle);
+                        (inside, outside) = if fits { (middle, outside) } else { (inside, middle) };
                     }
-                    way *= BACK;
+                    way *= inside.max(LEAST) * (1.0 - BACK * random.random::<f32>());
                 }
                 targets.push(base + way);
             }

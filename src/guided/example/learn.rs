@@ -187,7 +187,8 @@ impl Crown {
 pub struct TrunkTraits {
     /// From its base to its top, metres.
     pub chord: Vec3,
-    /// How far it strays from that line, over the line's length.
+    /// How far it strays from that line, over the line's length; less where a [`Leader`](crate::guided::Leader) would become
+    /// longer than it is.
     pub waywardness: f32,
     /// Metres of trunk below the first branch.
     pub clear_bole: f32,
@@ -210,9 +211,7 @@ impl TrunkTraits {
         let trunk = &models[0][0];
         let clear = trunk.laterals.first().map_or(1.0, |lateral| lateral.share) * trunk.length;
         let straight = chord.length().max(1e-6);
-        // A trunk that turns aside at once strays far on a short way; waves as high would make it much longer.
-        let most = 0.6 * (branch.length() / straight - 1.0).max(0.0).sqrt();
-        let waywardness = (farthest / straight).min(most).min(0.5);
+        let waywardness = (farthest / straight).min(0.5);
         Self { chord, waywardness, clear_bole: clear, diameter: skeleton.radii()[0] * 2.0 }
     }
 }

@@ -80,6 +80,22 @@ struct Tuning {
     high: f32,
 }
 
+impl Tuning {
+    /// Of at least one.
+    fn mean(all: &[Self]) -> Self {
+        let mean = |of: &dyn Fn(&Self) -> f32| all.iter().map(of).sum::<f32>() / all.len() as f32;
+        let each = |of: &dyn Fn(&Self) -> &Vec<f32>| {
+            (0..of(&all[0]).len()).map(|i| mean(&|one| of(one)[i])).collect()
+        };
+        Self {
+            rates: each(&|one| &one.rates),
+            stretches: each(&|one| &one.stretches),
+            wide: mean(&|one| one.wide),
+            high: mean(&|one| one.high),
+        }
+    }
+}
+
 /// Branches of higher orders are not grown.
 const ORDERS: usize = 8;
 /// Edges of the graph are so many spacings long.
@@ -88,6 +104,9 @@ const EDGE: f32 = 1.25;
 const DENSITY: f32 = 0.67;
 /// Spacings in a lateral of common length, so that it can have a direction of its own.
 const FINE: f32 = 4.0;
+/// No number or length is corrected beyond these.
+const LEAST: f32 = 0.4;
+const MOST: f32 = 3.0;
 /// How far the first correction goes towards what was measured; later ones go less far.
 const DAMPING: f32 = 0.7;
 
@@ -101,7 +120,7 @@ impl Example {
         ParameterError::unless(branches > 1, "Example.skeleton", branches, "a tree of at least 2 branches")?;
         let mut models = models(skeleton);
         let orders = traits(skeleton, &models);
-        let trunk = TrunkTraits::of(skeleton, &models);
+        let mut trunk = TrunkTraits::of(skeleton, &models);
         let tall = trunk.chord.length();
         ParameterError::unless(
             tall > 1e-3 && tall <= 1e6,
@@ -111,6 +130,7 @@ impl Example {
         )?;
         let redraw = Redraw::of(skeleton, &models);
         models.truncate(ORDERS);
+        trunk.waywardness = waywardness(&trunk, orders[0].length)?;
         let length: f32 = orders.iter().map(|order| order.length * order.count as f32).sum();
         let laterals = models.len() - 1;
         Ok(Self {
@@ -150,10 +170,18 @@ impl Example {
     /// # Errors
     /// As [`TreeSynth::synthesize`].
     pub fn tuned(mut self, nodes: usize, trials: u32) -> Result<Self, SynthesisError> {
+        let mut later = Vec::new();
         for trial in 0..trials {
             let seed = derive(u64::from(trial), 0, Purpose::ENDPOINTS);
             let damping = DAMPING / (1.0 + 0.15 * trial as f32);
             self.correct(&self.grow(nodes, seed)?, damping);
+            if trial >= trials / 2 {
+                later.push(self.tuning.clone());
+            }
+        }
+        // One tree is off by chance; corrections after several are so by less.
+        if !later.is_empty() {
+            self.tuning = Tuning::mean(&later);
         }
         Ok(self)
     }
@@ -163,7 +191,7 @@ impl Example {
         let measured = traits(grown, &models);
         let towards = |value: &mut f32, wanted: f32, found: f32| {
             let ratio = (wanted / found.max(1e-6)).clamp(0.4, 2.5);
-            *value = (*value * crate::math::powf(ratio, damping)).clamp(0.2, 5.0);
+            *value = (*value * crate::math::powf(ratio, damping)).clamp(LEAST, MOST);
         };
         for order in 1..self.models.len() {
             let (wanted, before) = (self.orders[order], self.orders[order - 1]);
@@ -176,7 +204,9 @@ impl Example {
             let [wanted_rate, found_rate] =
                 [ratio(wanted.count, before.count), ratio(found.count, measured[order - 1].count)];
             towards(&mut self.tuning.rates[order - 1], wanted_rate, found_rate);
-            towards(&mut self.tuning.stretches[order - 1], wanted.length, found.length);
+            let stretch = &mut self.tuning.stretches[order - 1];
+            towards(stretch, wanted.length, found.length);
+            *stretch = stretch.min(1.6);
         }
         let crown = Crown::of(grown);
         towards(&mut self.tuning.wide, self.width, crown_width(grown) as f32);
@@ -261,4 +291,23 @@ impl Example {
         }
         synth.with_radius(self.radius())
     }
+}
+
+/// The measured waywardness, or as much less as makes leaders of about the trunk's length: one that turns aside at once
+/// strays far on a short way.
+fn waywardness(trunk: &TrunkTraits, length: f32) -> Result<f32, ParameterError> {
+    let mut waywardness = trunk.waywardness;
+    for _ in 0..24 {
+        let leader = Leader::new(Vec3::ZERO, trunk.chord).with_waywardness(waywardness);
+        let mut sum = 0.0;
+        for seed in 0..8 {
+            let line = leader.skeleton(seed, trunk.chord.length() / 64.0)?;
+            sum += line.positions().windows(2).map(|pair| pair[0].distance(pair[1])).sum::<f32>();
+        }
+        if sum <= 8.0 * length * 1.01 {
+            break;
+        }
+        waywardness *= 0.85;
+    }
+    Ok(waywardness)
 }

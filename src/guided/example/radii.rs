@@ -52,36 +52,33 @@ impl TipShare {
             }
         }
         known.retain(|&[_, radius]| radius > 0.0);
-        let Some(slope) = slope(&known) else { return None };
+        if radii[0] <= 0.0 {
+            return None;
+        }
+        let slope = slope(&known);
         // Means at each halving, of what is brought there along the line that all make.
-        let mut logs = Vec::new();
-        let mut least = f32::INFINITY;
-        for layer in 0..layers {
-            let near = |&&[place, _]: &&[f32; 2]| {
-                (layer > 0 && (place - layer as f32).abs() <= 0.5) || place == layer as f32 && layer == 0
-            };
-            let brought =
-                known.iter().filter(near).map(|&[place, radius]| ln(radius) + slope * (layer as f32 - place));
+        let mut least = ln(radii[0]);
+        let mut logs = vec![least];
+        for layer in 1..layers {
+            let layer = layer as f32;
+            let near = known.iter().filter(|[place, _]| (place - layer).abs() <= 0.5);
             let (mut sum, mut count) = (0.0, 0.0);
-            brought.for_each(|log| {
-                sum += log;
+            for &[place, radius] in near {
+                sum += ln(radius) + slope * (layer - place);
                 count += 1.0;
-            });
+            }
             if count > 0.0 {
                 least = least.min(sum / count);
             }
             logs.push(if count > 0.0 { least } else { f32::NAN });
-        }
-        if logs[0].is_nan() {
-            return None;
         }
         fill(&mut logs);
         Some(Self { logs, taper: tapers.then(|| mean(&twigs).clamp(0.05, 1.0)) })
     }
 }
 
-/// Change of the logarithm of the radius for one halving, by regression; `None` without any radius.
-fn slope(known: &[[f32; 2]]) -> Option<f32> {
+/// Change of the logarithm of the radius for one halving, by regression.
+fn slope(known: &[[f32; 2]]) -> f32 {
     let count = known.len() as f32;
     let places = known.iter().map(|&[place, _]| place).sum::<f32>() / count;
     let logs = known.iter().map(|&[_, radius]| ln(radius)).sum::<f32>() / count;
@@ -90,7 +87,7 @@ fn slope(known: &[[f32; 2]]) -> Option<f32> {
         above += (place - places) * (ln(radius) - logs);
         below += (place - places) * (place - places);
     }
-    (!known.is_empty()).then_some(if below > 0.0 { (above / below).min(0.0) } else { 0.0 })
+    if below > 0.0 { (above / below).min(0.0) } else { 0.0 }
 }
 
 /// Straight lines over gaps.
