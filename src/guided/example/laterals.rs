@@ -146,12 +146,14 @@ impl EndpointPolicy for LateralsLike {
     }
 }
 
-/// The paper's weight, and a price for leaving the tree from a branch of another order or from a tip, and for running
-/// beside it.
+/// The paper's weight, and a price for leaving the tree from a branch of another order, its clear base or its tip, and for
+/// running beside it.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct FromOrder {
     pub(super) order: u16,
-    /// Metres that the price of a wrong base is worth.
+    /// Metres of a branch, from its base, that bear nothing.
+    pub(super) clear: f32,
+    /// What a wrong base costs, as metres across the guiding vector do.
     pub(super) price: f32,
 }
 
@@ -161,7 +163,7 @@ impl WeightFn for FromOrder {
         let guided = edge.length * edge.deviation() * edge.deviation();
         if edge.hops == 0 {
             let fork = edge.fork();
-            let wrong = fork.order != self.order || fork.to_tip <= 0.0;
+            let wrong = fork.order != self.order || fork.to_tip <= 0.0 || fork.from_base < self.clear;
             return guided + if wrong { self.price } else { 0.0 };
         }
         guided + if edge.is_beside_tree() { 0.5 * edge.length } else { 0.0 }

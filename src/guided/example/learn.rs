@@ -76,7 +76,9 @@ pub(super) fn models(skeleton: &Skeleton) -> Vec<Vec<Model>> {
         model.laterals.sort_by(|a, b| a.share.total_cmp(&b.share));
         models[usize::from(*order)].push(model);
     }
-    models.iter_mut().for_each(|models| models.sort_by(|a, b| a.length.total_cmp(&b.length)));
+    for models in &mut models {
+        models.sort_by(|a, b| a.length.total_cmp(&b.length));
+    }
     models
 }
 

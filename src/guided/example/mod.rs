@@ -273,7 +273,9 @@ impl Example {
                 crown: crown.clone(),
                 round: self.round,
             };
-            let weight = FromOrder { order: order as u16 - 1, price: own.length };
+            // Where the first limb is, less what makes room for it to be elsewhere.
+            let clear = if order == 1 { 0.9 * self.trunk.clear_bole } else { 0.0 };
+            let weight = FromOrder { order: order as u16 - 1, clear, price: own.length };
             let mut stage = Stage::new(rule, endpoints).with_weight(weight);
             let models = &self.models[order];
             let at = |share: f32| models[(share * (models.len() - 1) as f32) as usize].length;
