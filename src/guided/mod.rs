@@ -10,7 +10,9 @@
 
 mod around;
 mod context;
+mod drawn;
 mod endpoint;
+mod example;
 mod fork;
 mod graph;
 mod queue;
@@ -23,10 +25,12 @@ mod synth;
 mod weight;
 
 pub use around::AroundTree;
+pub use drawn::{Canvas, DrawnLimbs, Stroke};
 pub use endpoint::{
     Count, EndpointError, EndpointPolicy, HopSurface, InShape, LimbSurface, NearestTo, NearestToEach, Side,
     StageView,
 };
+pub use example::{Example, OrderTraits, TrunkTraits};
 pub use fork::Fork;
 pub use graph::{
     Edges, GradedYao, Graph, GraphBuilder, GraphError, Lattice, Leader, NearSurface, PointCloud,

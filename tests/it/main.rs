@@ -8,6 +8,8 @@ mod bad_input;
 mod blob;
 #[cfg(feature = "testing")]
 mod climbing;
+mod drawn;
+mod example;
 mod exports;
 mod figures;
 mod foliage;

@@ -1,0 +1,73 @@
+//! A branch as a line with ways, directions and frames.
+
+use crate::math::UP;
+use crate::skeleton::{Branch, Skeleton};
+use glam::Vec3;
+
+/// The nodes of a branch, from the one it leaves.
+#[derive(Debug)]
+pub(super) struct Axis {
+    pub(super) nodes: Vec<u32>,
+    pub(super) points: Vec<Vec3>,
+    /// Metres from its base, ascending.
+    pub(super) ways: Vec<f32>,
+}
+
+/// Half the chord that a direction is taken over, in lengths of the branch, and the fewest nodes each way.
+const CHORD: f32 = 0.06;
+const NODES: usize = 2;
+
+impl Axis {
+    pub(super) fn of(skeleton: &Skeleton, branch: &Branch<'_>) -> Self {
+        let nodes = branch.nodes().to_vec();
+        let points: Vec<Vec3> = nodes.iter().map(|&node| skeleton.positions()[node as usize]).collect();
+        let mut ways = vec![0.0];
+        for pair in points.windows(2) {
+            ways.push(ways[ways.len() - 1] + pair[0].distance(pair[1]));
+        }
+        Self { nodes, points, ways }
+    }
+
+    pub(super) fn length(&self) -> f32 {
+        self.ways[self.ways.len() - 1]
+    }
+
+    /// From base to tip, straight.
+    pub(super) fn chord(&self) -> Vec3 {
+        self.points[self.points.len() - 1] - self.points[0]
+    }
+
+    /// The place of the node nearest to a share of the way, but not the tip.
+    pub(super) fn place(&self, share: f32) -> usize {
+        let way = share * self.length();
+        let after = self.ways.partition_point(|&other| other < way).min(self.ways.len() - 1);
+        let nearer = after > 0 && way - self.ways[after - 1] < self.ways[after] - way;
+        (after - usize::from(nearer)).min(self.ways.len().saturating_sub(2))
+    }
+
+    /// Unit vector along the branch at one of its nodes.
+    pub(super) fn direction(&self, place: usize) -> Vec3 {
+        let half = CHORD * self.length();
+        let before = self.ways.partition_point(|&way| way < self.ways[place] - half);
+        let after = self.ways.partition_point(|&way| way < self.ways[place] + half);
+        let before = before.min(place.saturating_sub(NODES));
+        let after = after.max(place + NODES).min(self.points.len() - 1);
+        (self.points[after] - self.points[before]).normalize_or(UP)
+    }
+
+    /// How much steeper its first half stands than its second, in radians of tilt for a metre: above 0 it turns down.
+    pub(super) fn bend(&self) -> f32 {
+        let middle = self.place(0.5).max(1).min(self.points.len() - 1);
+        let tilt = |way: Vec3| crate::math::angle_between(way, UP);
+        let [first, second] =
+            [self.points[middle] - self.points[0], self.points[self.points.len() - 1] - self.points[middle]];
+        let usable = first.length_squared() > 0.0 && second.length_squared() > 0.0 && self.length() > 0.0;
+        if usable { (tilt(second) - tilt(first)) / (0.5 * self.length()) } else { 0.0 }
+    }
+}
+
+/// Along a branch, as far up as is perpendicular to it, and to its side.
+pub(super) fn frame(direction: Vec3) -> [Vec3; 3] {
+    let side = direction.cross(UP).normalize_or(Vec3::X);
+    [direction, side.cross(direction).normalize_or(UP), side]
+}

@@ -1,0 +1,192 @@
+//! Where laterals after an example end, and what keeps their paths to their order.
+
+use super::axis::{Axis, frame};
+use super::learn::{Crown, Lateral, Model};
+use crate::guided::endpoint::{EndpointError, EndpointPolicy, StageView};
+use crate::guided::weight::{Edge, WeightFn};
+use crate::math::sin_cos;
+use crate::nearest::nearest;
+use crate::random::{Purpose, stream};
+use glam::{DVec3, Vec3};
+use rand::RngExt;
+use rand_chacha::ChaCha8Rng;
+use std::f32::consts::TAU;
+use std::sync::Arc;
+
+/// Endpoints for the laterals of all branches of one order: each branch takes those of a branch of about its length in
+/// the example, and scales them to its own.
+#[derive(Debug, Clone)]
+pub(super) struct LateralsLike {
+    /// The example's branches of that order, the shortest first.
+    pub(super) models: Arc<Vec<Model>>,
+    pub(super) order: u16,
+    /// Laterals for one of the model's.
+    pub(super) rate: f32,
+    /// Lengths for those of the model's.
+    pub(super) stretch: Vec3,
+    pub(super) crown: Crown,
+    /// Whether the example's trunk bears its limbs to all sides; if not, each keeps its own.
+    pub(super) round: bool,
+}
+
+/// How much longer a branch may be than the one it is modelled on, or shorter; and the most that one is drawn from, each way.
+const LIKE: f32 = 1.25;
+const MODELS: usize = 6;
+/// Laterals up and down the trunk that a limb takes its form from.
+const NEIGHBOURS: f32 = 4.0;
+/// The golden angle: limbs of a trunk in turn lie in gaps of those before.
+const GOLDEN_ANGLE: f32 = 2.399_963;
+/// How much farther back than the crown's end, at most, what would leave it ends; the least share of its length that is left;
+/// and steps to find that.
+const BACK: f32 = 0.15;
+const LEAST: f32 = 0.3;
+const STEPS: usize = 8;
+
+impl LateralsLike {
+    fn model(&self, length: f32, random: &mut ChaCha8Rng) -> Option<&Model> {
+        let last = self.models.len().checked_sub(1)?;
+        let at = self.models.partition_point(|model| model.length < length).min(last);
+        let nearer = at > 0 && length - self.models[at - 1].length < self.models[at].length - length;
+        let at = at - usize::from(nearer);
+        let is_like = |model: &Model| model.length <= length * LIKE && model.length >= length / LIKE;
+        let low = (at.saturating_sub(MODELS)..at).find(|&i| is_like(&self.models[i])).unwrap_or(at);
+        let high = (at + 1..=(at + MODELS).min(last)).rev().find(|&i| is_like(&self.models[i])).unwrap_or(at);
+        self.models.get(random.random_range(low..=high))
+    }
+
+    /// Where the laterals of one branch end.
+    fn targets(&self, axis: &Axis, random: &mut ChaCha8Rng, targets: &mut Vec<Vec3>) {
+        let Some(model) = self.model(axis.length(), random) else { return };
+        let scale = (axis.length() / model.length.max(1e-6)).clamp(0.5, 2.0);
+        let gap = 1.0 / model.laterals.len().max(1) as f32;
+        let mirrored = if random.random::<bool>() { 1.0 } else { -1.0 };
+        let mut azimuth = random.random::<f32>() * TAU;
+        // Limbs of the trunk change places with near ones.
+        let mut forms: Vec<(f32, usize)> =
+            (0..model.laterals.len()).map(|i| (i as f32 + NEIGHBOURS * random.random::<f32>(), i)).collect();
+        forms.sort_by(|a, b| a.0.total_cmp(&b.0));
+        for (number, lateral) in model.laterals.iter().enumerate() {
+            let copies = self.rate.floor() as u32 + u32::from(random.random::<f32>() < self.rate.fract());
+            for copy in 0..copies {
+                let mut jitter = || 2.0 * random.random::<f32>() - 1.0;
+                let stray = if copy == 0 { 0.5 } else { 1.0 };
+                let share = (lateral.share + gap * stray * jitter()).clamp(0.0, 0.99);
+                let place = axis.place(share.max(lateral.share.min(0.02)));
+                let way = if self.order == 0 {
+                    azimuth += GOLDEN_ANGLE;
+                    let turn = azimuth + 0.4 * jitter();
+                    self.of_trunk(
+                        model.laterals[if self.round { forms[number].1 } else { number }].chord,
+                        turn,
+                        random,
+                    )
+                } else {
+                    let [along, up, side] = frame(axis.direction(place));
+                    let Lateral { chord, .. } = lateral;
+                    // The same side in turn with the other.
+                    along * chord.x
+                        + up * (chord.y * if copy == 0 { 1.0 } else { -1.0 })
+                        + side * (chord.z * mirrored)
+                };
+                let vary = 1.0 + 0.1 * (2.0 * random.random::<f32>() - 1.0);
+                let mut way = way * self.stretch * (scale * vary);
+                let base = axis.points[place];
+                if !self.crown.contains(base + way) {
+                    // To where the crown ends, or a little less far.
+                    let (mut inside, mut outside) = (0.0, 1.0);
+                    for _ in 0..STEPS {
+                        let middle = (inside + outside) * 0.5;
+                        let fits = self.crown.contains(base + way * middle);
+                        (inside, outside) = if fits { (middle, outside) } else { (inside, middle) };
+                    }
+                    way *= inside.max(LEAST) * (1.0 - BACK * random.random::<f32>());
+                }
+                targets.push(base + way);
+            }
+        }
+    }
+
+    /// A limb has the form of a near one, and a side of its own.
+    fn of_trunk(&self, chord: Vec3, turn: f32, random: &mut ChaCha8Rng) -> Vec3 {
+        let out = chord.with_y(0.0);
+        if self.round {
+            let (sin, cos) = sin_cos(turn);
+            return Vec3::new(cos, 0.0, sin) * out.length() + Vec3::Y * chord.y;
+        }
+        let (sin, cos) = sin_cos(0.35 * (2.0 * random.random::<f32>() - 1.0));
+        Vec3::new(out.x * cos - out.z * sin, chord.y, out.x * sin + out.z * cos)
+    }
+}
+
+impl EndpointPolicy for LateralsLike {
+    fn select(&self, view: &StageView<'_>) -> Result<Vec<u32>, EndpointError> {
+        let trees = view.search().skeletons().map_err(|error| EndpointError::Other(error.to_string()))?;
+        let mut targets = Vec::new();
+        for (tree, _) in trees {
+            for (number, branch) in (0u64..).zip(tree.branches().iter()) {
+                if branch.order() == self.order {
+                    let mut random = stream(view.seed(), view.stage() as u32, Purpose::ENDPOINTS, number);
+                    self.targets(&Axis::of(&tree, &branch), &mut random, &mut targets);
+                }
+            }
+        }
+        let candidates = view.candidates(|_, _| true);
+        if candidates.is_empty() || targets.is_empty() {
+            // A stage without laterals adds nothing: the root is on the tree.
+            return Ok(vec![view.graph().root()]);
+        }
+        let place = |node: &u32| view.graph().position(*node).as_dvec3();
+        let places: Vec<DVec3> = candidates.iter().map(place).collect();
+        let targets: Vec<DVec3> = targets.into_iter().map(Vec3::as_dvec3).collect();
+        let mut found: Vec<u32> =
+            nearest(&places, &targets).into_iter().map(|place| candidates[place as usize]).collect();
+        found.sort_unstable();
+        found.dedup();
+        Ok(found)
+    }
+}
+
+/// The paper's weight, and a price for leaving the tree from a branch of another order, its clear base or its tip, and for
+/// running beside it.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct FromOrder {
+    pub(super) order: u16,
+    /// Metres of a branch, from its base, that bear nothing.
+    pub(super) clear: f32,
+    /// What a wrong base costs, as metres across the guiding vector do.
+    pub(super) price: f32,
+}
+
+impl WeightFn for FromOrder {
+    fn weight(&self, edge: &Edge<'_>) -> f32 {
+        // Small deviations cost less than in the paper, large ones more: paths keep to their angle.
+        let guided = edge.length * edge.deviation() * edge.deviation();
+        if edge.hops == 0 {
+            let fork = edge.fork();
+            let wrong = fork.order != self.order || fork.to_tip <= 0.0 || fork.from_base < self.clear;
+            return guided + if wrong { self.price } else { 0.0 };
+        }
+        guided + if edge.is_beside_tree() { 0.5 * edge.length } else { 0.0 }
+    }
+}
+
+/// Whether limbs of a trunk point to all sides: no direction has most of them, nor any two that are opposite.
+pub(super) fn is_round(trunk: &Model) -> bool {
+    let mut sums = [0.0f32; 4];
+    let mut all = 0.0;
+    for Lateral { chord, .. } in &trunk.laterals {
+        let out = chord.with_y(0.0);
+        let length = out.length();
+        if length > 0.0 {
+            let (cos, sin) = (out.x / length, out.z / length);
+            all += length;
+            sums[0] += cos * length;
+            sums[1] += sin * length;
+            sums[2] += (cos * cos - sin * sin) * length;
+            sums[3] += 2.0 * sin * cos * length;
+        }
+    }
+    let one = (sums[0] * sums[0] + sums[1] * sums[1]).sqrt();
+    let two = (sums[2] * sums[2] + sums[3] * sums[3]).sqrt();
+    one <= 0.4 * all && two <= 0.5 * all
+}

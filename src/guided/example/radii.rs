@@ -1,0 +1,139 @@
+//! Thickness after an example.
+
+use super::learn::geometric_mean;
+use crate::math::{exp, ln};
+use crate::parameter::ParameterError;
+use crate::radius::{RadiusError, RadiusModel};
+use crate::skeleton::Skeleton;
+
+/// Radius by the share of the tree's tips that a branch bears: the pipe model's law, with the example's numbers at each
+/// halving of the tips.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct TipShare {
+    /// Logarithm of the radius in metres where 1, 1/2, 1/4 ... of the tips are borne; never ascending.
+    logs: Vec<f32>,
+    /// Radius of a twig's tip over that at its base; `None` where runs do not narrow.
+    pub(super) taper: Option<f32>,
+}
+
+impl TipShare {
+    /// `None` where the example has no thickness.
+    pub(super) fn of(skeleton: &Skeleton) -> Option<Self> {
+        let radii = skeleton.radii();
+        let tips = tips(skeleton);
+        let mut children = vec![0u32; skeleton.len()];
+        skeleton.edges().for_each(|(_, parent)| children[parent] += 1);
+        let layers = halvings(tips[0], 1).round() as usize + 1;
+        // Each run: from the first node after a fork to the next fork or a tip.
+        let mut first: Vec<usize> = (0..skeleton.len()).collect();
+        let mut internodes = vec![0u32; skeleton.len()];
+        let (mut narrowing, mut twigs) = (Vec::new(), Vec::new());
+        let mut thickest = vec![0usize; skeleton.len()];
+        for (node, parent) in skeleton.edges() {
+            if children[parent] == 1 {
+                first[node] = first[parent];
+                internodes[node] = internodes[parent] + 1;
+            } else if thickest[parent] == 0 || tips[node] > tips[thickest[parent]] {
+                thickest[parent] = node;
+            }
+            if children[node] != 1 && internodes[node] >= 2 && radii[first[node]] > 0.0 {
+                let share = radii[node] / radii[first[node]];
+                if children[node] == 0 { twigs.push(share) } else { narrowing.push(share) }
+            }
+        }
+        let mean = |shares: &[f32]| geometric_mean(shares.iter().copied()).unwrap_or(1.0);
+        let tapers = mean(&narrowing) < 0.97 && mean(&twigs) < 0.8;
+        // A run that narrows ends as thick as the thickest that goes on from it begins.
+        let mut known: Vec<[f32; 2]> = vec![[0.0, radii[0]]];
+        for (node, parent) in skeleton.edges() {
+            let begins = children[parent] > 1 && if tapers { thickest[parent] == node } else { true };
+            if begins {
+                known.push([halvings(tips[0], tips[node]), if tapers { radii[parent] } else { radii[node] }]);
+            }
+        }
+        known.retain(|&[_, radius]| radius > 0.0);
+        if radii[0] <= 0.0 {
+            return None;
+        }
+        let slope = slope(&known);
+        // Means at each halving, of what is brought there along the line that all make.
+        let mut least = ln(radii[0]);
+        let mut logs = vec![least];
+        for layer in 1..layers {
+            let layer = layer as f32;
+            let near = known.iter().filter(|[place, _]| (place - layer).abs() <= 0.5);
+            let (mut sum, mut count) = (0.0, 0.0);
+            for &[place, radius] in near {
+                sum += ln(radius) + slope * (layer - place);
+                count += 1.0;
+            }
+            if count > 0.0 {
+                least = least.min(sum / count);
+            }
+            logs.push(if count > 0.0 { least } else { f32::NAN });
+        }
+        fill(&mut logs);
+        Some(Self { logs, taper: tapers.then(|| mean(&twigs).clamp(0.05, 1.0)) })
+    }
+}
+
+/// Change of the logarithm of the radius for one halving, by regression.
+fn slope(known: &[[f32; 2]]) -> f32 {
+    let count = known.len() as f32;
+    let places = known.iter().map(|&[place, _]| place).sum::<f32>() / count;
+    let logs = known.iter().map(|&[_, radius]| ln(radius)).sum::<f32>() / count;
+    let (mut above, mut below) = (0.0, 0.0);
+    for &[place, radius] in known {
+        above += (place - places) * (ln(radius) - logs);
+        below += (place - places) * (place - places);
+    }
+    if below > 0.0 { (above / below).min(0.0) } else { 0.0 }
+}
+
+/// Straight lines over gaps.
+fn fill(logs: &mut [f32]) {
+    let mut last = 0;
+    for i in 1..logs.len() {
+        if !logs[i].is_nan() {
+            for j in last + 1..i {
+                logs[j] = logs[last] + (logs[i] - logs[last]) * (j - last) as f32 / (i - last) as f32;
+            }
+            last = i;
+        }
+    }
+    let end = logs[last];
+    logs[last..].fill(end);
+}
+
+fn tips(skeleton: &Skeleton) -> Vec<u32> {
+    let mut tips = vec![0u32; skeleton.len()];
+    for (node, parent) in skeleton.edges().rev() {
+        tips[node] = tips[node].max(1);
+        tips[parent] += tips[node];
+    }
+    tips[0] = tips[0].max(1);
+    tips
+}
+
+/// How often the tips of the tree are halved for those of a branch.
+fn halvings(all: u32, own: u32) -> f32 {
+    ln(all as f32 / own as f32) / std::f32::consts::LN_2
+}
+
+impl RadiusModel for TipShare {
+    fn radii(&self, skeleton: &Skeleton) -> Result<Vec<f32>, RadiusError> {
+        let tips = tips(skeleton);
+        let last = self.logs.len() - 1;
+        let radius = |&own: &u32| {
+            let place = halvings(tips[0], own).clamp(0.0, last as f32);
+            let (i, t) = (place as usize, place.fract());
+            let next = self.logs[(i + 1).min(last)];
+            exp(self.logs[i] + (next - self.logs[i]) * t)
+        };
+        Ok(tips.iter().map(radius).collect())
+    }
+
+    fn check(&self) -> Result<(), ParameterError> {
+        Ok(())
+    }
+}

@@ -1,0 +1,209 @@
+//! Branches of the graph drawn anew, with the example's internodes, angles and straightness.
+
+use super::axis::Axis;
+use super::learn::{Model, chord_angles, models};
+use crate::math::{Rotation, UP, angle_between, perpendicular};
+use crate::metrics::{branch_angles, tortuosities};
+use crate::random::{Purpose, stream};
+use crate::skeleton::{Skeleton, SkeletonError};
+use glam::{Mat3, Vec3};
+use rand::RngExt;
+
+/// What a graph cannot give: nodes stand off each other by its spacing, so that first internodes stand out wide, and paths
+/// wind.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Redraw {
+    /// Metres, by order.
+    internodes: Vec<f32>,
+    /// Angles at the first internode by order, radians.
+    angles: Vec<Vec<f32>>,
+    /// Mean and standard deviation of the angles between parent branches and chords, by order from 1.
+    pub(super) chords: Vec<[f32; 2]>,
+    /// Mean of way over chord.
+    tortuosity: f32,
+}
+
+/// A branch drawn anew.
+#[derive(Debug, Clone)]
+struct Drawn {
+    /// Its nodes and where they are, as shares of its length; the first is that of its parent branch.
+    nodes: Vec<(u32, f32)>,
+    /// How it is turned.
+    turn: Mat3,
+}
+
+fn mean_tortuosity(skeleton: &Skeleton) -> f32 {
+    let all: Vec<f64> = tortuosities(skeleton).into_iter().skip(1).flatten().collect();
+    (all.iter().sum::<f64>() / all.len().max(1) as f64) as f32
+}
+
+fn all_chords(models: &[Vec<Model>]) -> Vec<[f32; 2]> {
+    models[..models.len() - 1].iter().map(|models| chord_angles(models)).collect()
+}
+
+impl Redraw {
+    pub(super) fn of(skeleton: &Skeleton, models: &[Vec<Model>]) -> Self {
+        let mut internodes: Vec<[f32; 2]> = Vec::new();
+        for branch in skeleton.branches().iter() {
+            let order = usize::from(branch.order());
+            internodes.resize(internodes.len().max(order + 1), [0.0; 2]);
+            let axis = Axis::of(skeleton, &branch);
+            internodes[order][0] += axis.length();
+            internodes[order][1] += (axis.nodes.len() - 1) as f32;
+        }
+        let mut angles = vec![Vec::new(); internodes.len()];
+        for angle in branch_angles(skeleton, 0.0).unwrap_or_default() {
+            angles[usize::from(angle.order)].push(angle.angle);
+        }
+        let internodes = internodes.into_iter().map(|[length, count]| length / count.max(1.0)).collect();
+        Self {
+            internodes,
+            angles,
+            chords: all_chords(models),
+            tortuosity: mean_tortuosity(skeleton).max(1.0),
+        }
+    }
+
+    /// The same branches from about the same bases to the same tips.
+    pub(super) fn apply(&self, tree: &Skeleton, seed: u64) -> Result<Skeleton, SkeletonError> {
+        let branches = tree.branches();
+        let axes: Vec<(u16, Axis)> =
+            branches.iter().map(|branch| (branch.order(), Axis::of(tree, &branch))).collect();
+        let mut home = vec![(0usize, 0.0f32); tree.len()];
+        let mut bears = vec![false; axes.len()];
+        for (number, (order, axis)) in axes.iter().enumerate() {
+            for (place, &node) in axis.nodes.iter().enumerate().skip(usize::from(*order > 0)) {
+                home[node as usize] = (number, axis.ways[place] / axis.length().max(f32::MIN_POSITIVE));
+            }
+        }
+        for (_, axis) in axes.iter().skip(1) {
+            bears[home[axis.nodes[0] as usize].0] = true;
+        }
+        let winding = mean_tortuosity(tree) - 1.0;
+        let kept =
+            if winding > 0.0 { ((self.tortuosity - 1.0) / winding).clamp(0.0, 1.0).sqrt() } else { 0.0 };
+        let found = all_chords(&models(tree));
+        let mut positions = vec![tree.positions()[0]];
+        let mut parents: Vec<Option<u32>> = vec![None];
+        let mut orders = vec![0u16];
+        let mut hops = vec![0u32];
+        let mut drawn: Vec<Drawn> = Vec::with_capacity(axes.len());
+        for (number, (order, axis)) in axes.iter().enumerate() {
+            let last = self.internodes.len() - 1;
+            let internode = self.internodes[usize::from(*order).min(last)].max(1e-6);
+            let least = if bears[number] { 2.0 } else { 1.0 };
+            let parts = (axis.length() / internode).round().clamp(least, 1e6) as u32;
+            let (mut base, mut turn, mut leaves) = (0, Mat3::IDENTITY, None);
+            if number > 0 {
+                let (parent, share) = home[axis.nodes[0] as usize];
+                let place = drawn[parent].nearest(share, parent == 0);
+                base = drawn[parent].nodes[place].0;
+                let at = |node: u32| positions[node as usize];
+                let direction = if *order == 1 { UP } else { drawn[parent].direction(place, at) };
+                turn = self.turned(usize::from(*order), &found, direction, drawn[parent].turn * axis.chord())
+                    * drawn[parent].turn;
+                let before = parents[base as usize].map_or(UP, |before| at(base) - at(before));
+                let mut random = stream(seed, u32::from(*order), Purpose::LATERAL, number as u64);
+                let angles = &self.angles[usize::from(*order).min(last)];
+                if !angles.is_empty() {
+                    leaves = Some((before.normalize_or(UP), angles[random.random_range(0..angles.len())]));
+                }
+            }
+            let line = Line::new(axis, positions[base as usize], turn, kept, leaves);
+            let mut own = Drawn { nodes: vec![(base, 0.0)], turn };
+            let mut before = base;
+            for part in 1..=parts {
+                let share = part as f32 / parts as f32;
+                let node = positions.len() as u32;
+                positions.push(line.at(share, part == 1 && parts > 1));
+                parents.push(Some(before));
+                orders.push(*order);
+                hops.push(part);
+                own.nodes.push((node, share));
+                before = node;
+            }
+            drawn.push(own);
+        }
+        Skeleton::new(positions, parents)?.with_stages(orders.clone())?.with_hops(hops)?.with_orders(orders)
+    }
+}
+
+impl Redraw {
+    /// Turns a chord, that is at some angle to its parent branch, as far as the angles of its order are off.
+    fn turned(&self, order: usize, found: &[[f32; 2]], direction: Vec3, chord: Vec3) -> Mat3 {
+        let (Some(&[wanted, wanted_spread]), Some(&[mean, spread])) =
+            (self.chords.get(order - 1), found.get(order - 1))
+        else {
+            return Mat3::IDENTITY;
+        };
+        let angle = angle_between(direction, chord);
+        let narrower = if spread > 0.0 { (wanted_spread / spread).min(1.0) } else { 1.0 };
+        let turn = (wanted + (angle - mean) * narrower).clamp(0.0, 3.1) - angle;
+        let axis = direction.cross(chord).normalize_or(perpendicular(direction));
+        let rotation = Rotation::new(turn);
+        Mat3::from_cols(
+            rotation.about(axis, Vec3::X),
+            rotation.about(axis, Vec3::Y),
+            rotation.about(axis, Vec3::Z),
+        )
+    }
+}
+
+impl Drawn {
+    /// The place of the node nearest to a share, neither the tip nor, but of the trunk, the base.
+    fn nearest(&self, share: f32, is_trunk: bool) -> usize {
+        let inner = usize::from(!is_trunk)..(self.nodes.len() - 1).max(1);
+        let away = |place: &usize| (self.nodes[*place].1 - share).abs();
+        inner.min_by(|a, b| away(a).total_cmp(&away(b))).unwrap_or(0)
+    }
+
+    /// Along it, over two nodes each way.
+    fn direction(&self, place: usize, at: impl Fn(u32) -> Vec3) -> Vec3 {
+        let [before, after] = [place.saturating_sub(2), (place + 2).min(self.nodes.len() - 1)];
+        (at(self.nodes[after].0) - at(self.nodes[before].0)).normalize_or(UP)
+    }
+}
+
+/// A branch between its base and its tip.
+struct Line<'a> {
+    axis: &'a Axis,
+    base: Vec3,
+    turn: Mat3,
+    /// From its base to its tip.
+    chord: Vec3,
+    /// Share of its winding that it keeps.
+    kept: f32,
+    /// The way it leaves its parent branch; none for the trunk.
+    leaves: Option<Vec3>,
+}
+
+impl<'a> Line<'a> {
+    /// On a base, turned, leaving a parent branch of some direction at an angle, on the side of its tip.
+    fn new(axis: &'a Axis, base: Vec3, turn: Mat3, kept: f32, leaves: Option<(Vec3, f32)>) -> Self {
+        let chord = turn * axis.chord();
+        let leaves = leaves.map(|(parent, angle)| {
+            let axis = parent.cross(chord).normalize_or(perpendicular(parent));
+            Rotation::new(angle).about(axis, parent)
+        });
+        Self { axis, base, turn, chord, kept, leaves }
+    }
+
+    /// Where a share of its way is.
+    fn at(&self, share: f32, is_first: bool) -> Vec3 {
+        let axis = self.axis;
+        let way = share * axis.length();
+        let after = axis.ways.partition_point(|&other| other < way).clamp(1, axis.ways.len() - 1);
+        let (from, to) = (axis.ways[after - 1], axis.ways[after]);
+        let t = if to > from { ((way - from) / (to - from)).clamp(0.0, 1.0) } else { 1.0 };
+        let old = axis.points[after - 1].lerp(axis.points[after], t);
+        let Some(leaves) = self.leaves else { return old };
+        let length = self.chord.length();
+        if is_first {
+            return self.base + leaves * (length * share);
+        }
+        let winding = self.turn * (old - (axis.points[0] + axis.chord() * share)) * self.kept;
+        let rest = 1.0 - share;
+        let [a, b, c] = [3.0 * rest * rest * share, 3.0 * rest * share * share, share * share * share];
+        self.base + leaves * (length / 3.0 * a) + self.chord * (b * 2.0 / 3.0 + c) + winding
+    }
+}
