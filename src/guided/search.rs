@@ -33,6 +33,8 @@ pub struct Search<'g> {
     pub(super) tree: Vec<u32>,
     /// Stage in which each node of `tree` joined.
     stages: Vec<u16>,
+    /// The number of the tree that each node of `tree` is on.
+    owners: Vec<u32>,
     /// The least radius of each node of `tree`, metres; shorter where none is given for the rest.
     radii: Vec<f32>,
     /// The fork at each node of `tree`, worked out when a rule or a weight first asks in a stage.
@@ -159,6 +161,7 @@ impl<'g> Search<'g> {
             place: vec![NONE; nodes],
             tree: Vec::new(),
             stages: Vec::new(),
+            owners: Vec::new(),
             radii: Vec::new(),
             forks: OnceLock::new(),
             queue: Queue::default(),
@@ -188,6 +191,7 @@ impl<'g> Search<'g> {
         self.place.resize(nodes, NONE);
         self.tree.clear();
         self.stages.clear();
+        self.owners.clear();
         self.radii.clear();
     }
 
@@ -254,6 +258,11 @@ impl<'g> Search<'g> {
     }
 
     pub(super) fn join(&mut self, node: u32, stage: u16) {
+        let owner = match self.parent(node) {
+            Some(parent) => self.owners[self.place[parent as usize] as usize],
+            None => self.owners.last().map_or(0, |&owner| owner + 1),
+        };
+        self.owners.push(owner);
         self.place[node as usize] = self.tree.len() as u32;
         self.ways[node as usize].cost = 0.0;
         self.guides[node as usize].source = node;
@@ -296,6 +305,13 @@ impl<'g> Search<'g> {
     #[inline]
     pub fn is_on_tree(&self, node: u32) -> bool {
         self.place[node as usize] != NONE
+    }
+
+    /// Which tree `node` is on, or its path starts from: the number among the graph's [roots](Graph::roots). `None` off
+    /// the trees if not settled.
+    pub fn tree_of(&self, node: u32) -> Option<u32> {
+        let source = if self.is_on_tree(node) { node } else { self.source(node)? };
+        Some(self.owners[self.place[source as usize] as usize])
     }
 
     /// Place of `node` in [`tree`](Self::tree).

@@ -9,6 +9,7 @@ mod local;
 mod octree;
 mod planted;
 mod poisson;
+mod roots;
 mod scalars;
 mod sectors;
 mod sizing;
