@@ -56,7 +56,10 @@ impl Context<'_> {
     /// Whether an edge leads from `node` to the tree.
     pub(super) fn is_beside_tree(&self, node: u32) -> bool {
         match *self {
-            Self::Search(search) => search.graph().neighbours(node).iter().any(|&to| search.is_on_tree(to)),
+            Self::Search(search) => {
+                search.asked_beside.get_or_init(|| ());
+                search.graph().neighbours(node).iter().any(|&to| search.is_on_tree(to))
+            }
             Self::Alone { .. } => node == 0,
         }
     }

@@ -10,11 +10,13 @@
 
 mod around;
 mod context;
+mod edit;
 mod endpoint;
 mod fork;
 mod graph;
 mod queue;
 mod refine;
+mod repair;
 mod rule;
 mod run;
 mod search;
@@ -23,6 +25,7 @@ mod synth;
 mod weight;
 
 pub use around::AroundTree;
+pub use edit::Regrowth;
 pub use endpoint::{
     Count, EndpointError, EndpointPolicy, HopSurface, InShape, LimbSurface, NearestTo, NearestToEach, Side, StageView,
 };

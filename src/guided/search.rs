@@ -32,13 +32,15 @@ pub struct Search<'g> {
     /// Nodes of the trees, each after its parent.
     pub(super) tree: Vec<u32>,
     /// Stage in which each node of `tree` joined.
-    stages: Vec<u16>,
+    pub(super) stages: Vec<u16>,
     /// The number of the tree that each node of `tree` is on.
-    owners: Vec<u32>,
+    pub(super) owners: Vec<u32>,
     /// The least radius of each node of `tree`, metres; shorter where none is given for the rest.
-    radii: Vec<f32>,
+    pub(super) radii: Vec<f32>,
     /// The fork at each node of `tree`, worked out when a rule or a weight first asks in a stage.
-    forks: OnceLock<Vec<Fork>>,
+    pub(super) forks: OnceLock<Vec<Fork>>,
+    /// Set when a weight has asked in a stage what lies beside the tree.
+    pub(super) asked_beside: OnceLock<()>,
     pub(super) queue: Queue,
     /// A bit a node: the search stops when all of these are settled.
     pub(super) wanted: Vec<u64>,
@@ -85,9 +87,9 @@ pub(super) struct Guide {
     pub(super) source: u32,
 }
 
-const NO_WAY: Way = Way { cost: f32::INFINITY, parent: NONE };
+pub(super) const NO_WAY: Way = Way { cost: f32::INFINITY, parent: NONE };
 /// Not settled: no rule may give this vector.
-const NO_VECTOR: Vec3 = Vec3::NAN;
+pub(super) const NO_VECTOR: Vec3 = Vec3::NAN;
 const NO_GUIDE: Guide = Guide { vector: NO_VECTOR, hops: 0, length: 0.0, source: NONE };
 
 /// What a rule or a weight did that no search can go on with.
@@ -164,6 +166,7 @@ impl<'g> Search<'g> {
             owners: Vec::new(),
             radii: Vec::new(),
             forks: OnceLock::new(),
+            asked_beside: OnceLock::new(),
             queue: Queue::default(),
             wanted: Vec::new(),
             complete: false,
@@ -241,6 +244,7 @@ impl<'g> Search<'g> {
         }
         self.queue.clear();
         self.forks = OnceLock::new();
+        self.asked_beside = OnceLock::new();
         self.complete = false;
     }
 
@@ -383,7 +387,7 @@ impl<'g> Search<'g> {
         let parts = Parts {
             positions: self.tree.iter().map(|&node| self.graph.position(node)).collect(),
             parents: self.tree.iter().map(parent).collect(),
-            stages: &self.stages,
+            stages: self.stages.clone(),
             hops: self.tree.iter().map(|&node| self.hops(node)).collect(),
             radii: &self.radii,
         };

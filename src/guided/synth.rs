@@ -19,9 +19,9 @@ use std::sync::Arc;
 /// Cloning shares the strategies.
 #[derive(Clone)]
 pub struct Stage {
-    rule: Arc<dyn GuidingRule>,
-    weight: Arc<dyn WeightFn>,
-    endpoints: Arc<dyn EndpointPolicy>,
+    pub(super) rule: Arc<dyn GuidingRule>,
+    pub(super) weight: Arc<dyn WeightFn>,
+    pub(super) endpoints: Arc<dyn EndpointPolicy>,
     refinement: Option<Refinement>,
 }
 
@@ -40,6 +40,18 @@ impl Stage {
             endpoints: Arc::new(endpoints),
             refinement: None,
         }
+    }
+
+    /// Another rule.
+    pub fn with_rule(mut self, rule: impl GuidingRule + 'static) -> Self {
+        self.rule = Arc::new(rule);
+        self
+    }
+
+    /// Other endpoints.
+    pub fn with_endpoints(mut self, endpoints: impl EndpointPolicy + 'static) -> Self {
+        self.endpoints = Arc::new(endpoints);
+        self
     }
 
     /// Other weights.
@@ -181,6 +193,12 @@ impl TreeSynth {
         self
     }
 
+    /// Other stages, all of them: those of [`stages`](Self::stages) with some changed, for one.
+    pub fn with_stages(mut self, stages: impl Into<Vec<Stage>>) -> Self {
+        self.stages = stages.into();
+        self
+    }
+
     /// The first stages alone, to see a tree that is not finished.
     pub fn first_stages(mut self, stages: usize) -> Self {
         self.stages.truncate(stages);
@@ -230,7 +248,7 @@ impl TreeSynth {
         self.check_growth()
     }
 
-    fn check_growth(&self) -> Result<(), ParameterError> {
+    pub(super) fn check_growth(&self) -> Result<(), ParameterError> {
         let stages = self.stages.len();
         ParameterError::unless(
             (1..=65_535).contains(&stages),
@@ -357,11 +375,22 @@ impl TreeSynth {
             }
             endpoints.push(self.search_stage(search, stage, seed, observer)?);
         }
+        self.finish(search.skeletons()?, search.tree(), &endpoints, search.finer_graph(), observer)
+    }
+
+    /// Sheds and thickens trees, each given with the place of its nodes in `tree`.
+    pub(super) fn finish(
+        &self,
+        trees: Vec<(Skeleton, Vec<usize>)>,
+        tree: &[u32],
+        endpoints: &[Vec<u32>],
+        graph: Option<Arc<Graph>>,
+        observer: &dyn Observer,
+    ) -> Result<Vec<Growth>, SynthesisError> {
         report(observer, Work::Radii, 0.0)?;
-        let trees = search.skeletons()?;
         let several = trees.len() > 1;
         let grown = trees.into_iter().map(|(skeleton, places)| {
-            let mut nodes: Vec<u32> = places.into_iter().map(|place| search.tree()[place]).collect();
+            let mut nodes: Vec<u32> = places.into_iter().map(|place| tree[place]).collect();
             let skeleton = if let Some(shedding) = &self.shedding {
                 let (kept, places) = shedding.shed(&skeleton)?;
                 nodes = places.into_iter().map(|place| nodes[place as usize]).collect();
@@ -370,13 +399,13 @@ impl TreeSynth {
                 skeleton
             };
             let skeleton = self.thicken(skeleton)?;
-            let mut endpoints = endpoints.clone();
+            let mut endpoints = endpoints.to_vec();
             if several || self.shedding.is_some() {
                 let mut own = nodes.clone();
                 own.sort_unstable();
                 endpoints.iter_mut().for_each(|stage| stage.retain(|node| own.binary_search(node).is_ok()));
             }
-            Ok(Growth { skeleton, nodes, endpoints, graph: search.finer_graph() })
+            Ok(Growth { skeleton, nodes, endpoints, graph: graph.clone() })
         });
         let grown = grown.collect::<Result<_, SynthesisError>>()?;
         report(observer, Work::Radii, 1.0)?;
