@@ -248,8 +248,8 @@ impl Repair<'_, '_> {
         self.search.guides[here].vector = NO_VECTOR;
         self.list.push(node);
         self.anew += 1;
-        // Each node costs more here than in a search from nothing.
-        self.is_clear &= self.anew <= self.graph.nodes() / 2;
+        // Much more would not be faster than a search from nothing.
+        self.is_clear &= self.anew <= self.graph.nodes() / 3;
     }
 
     /// What hangs on opened nodes and changed sources loses its way too.
