@@ -27,7 +27,11 @@ pub struct Stage {
 
 impl std::fmt::Debug for Stage {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.debug_struct("Stage").finish_non_exhaustive()
+        f.debug_struct("Stage")
+            .field("refinement", &self.refinement)
+            .field("needs_search", &self.endpoints.needs_search())
+            .field("forbids", &self.weight.forbids())
+            .finish_non_exhaustive()
     }
 }
 
@@ -64,6 +68,11 @@ impl Stage {
     pub fn with_refinement(mut self, refinement: Refinement) -> Self {
         self.refinement = Some(refinement);
         self
+    }
+
+    /// As [`check`](Self::check), and the error says which stage it is.
+    fn check_as(&self, number: usize) -> Result<(), ParameterError> {
+        self.check().map_err(|error| ParameterError { range: format!("{} (stage {number})", error.range), ..error })
     }
 
     fn check(&self) -> Result<(), ParameterError> {
@@ -104,7 +113,10 @@ pub struct TreeSynth {
 
 impl std::fmt::Debug for TreeSynth {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.debug_struct("TreeSynth").field("stages", &self.stages.len()).finish_non_exhaustive()
+        f.debug_struct("TreeSynth")
+            .field("stages", &self.stages)
+            .field("shedding", &self.shedding)
+            .finish_non_exhaustive()
     }
 }
 
@@ -256,7 +268,7 @@ impl TreeSynth {
             stages,
             "1 to 65535 stages",
         )?;
-        self.stages.iter().try_for_each(Stage::check)?;
+        self.stages.iter().enumerate().try_for_each(|(number, stage)| stage.check_as(number))?;
         self.shedding.as_ref().map_or(Ok(()), Shedding::check)?;
         self.radius.check()
     }
@@ -438,7 +450,7 @@ impl TreeSynth {
         observer: &dyn Observer,
     ) -> Result<Vec<u32>, SynthesisError> {
         let numbered = self.numbered(stage)?;
-        numbered.check()?;
+        numbered.check_as(stage)?;
         if numbered.refinement.is_none() {
             return self.search_stage(search, stage, seed, observer);
         }

@@ -11,6 +11,10 @@ mod figures;
 mod foliage;
 #[cfg(feature = "json")]
 mod growth;
+#[cfg(feature = "testing")]
+mod editing;
+#[cfg(feature = "testing")]
+mod grove;
 mod hull;
 #[cfg(feature = "testing")]
 mod invariants;

@@ -1,13 +1,12 @@
 //! Early endpoints: in a volume (section 3.2.2).
 
 use super::{Count, EndpointError, EndpointPolicy, StageView, choose_uniform};
-use crate::math::{cbrt, ln, powf};
+use crate::math::{cbrt, powf};
 use crate::nearest::nearest;
 use crate::parameter::ParameterError;
 use crate::shape::{Bounds, Shape};
 use glam::{DVec3, IVec3, Vec3};
 use smallvec::SmallVec;
-use std::f32::consts::LN_2;
 
 /// A single endpoint, the reachable node nearest to a point: "for this shape, we dedicate the first iteration to
 /// the trunk, with a single endpoint".
@@ -139,67 +138,41 @@ impl<S: Shape> EndpointPolicy for InShape<S> {
     }
 }
 
-/// Radii an octave.
-const RADII: i32 = 8;
+/// Radii an octave, and octaves each way from 1 m.
+const RADII: i32 = 16;
+const OCTAVES: i32 = 128;
 
-/// Darts in the order of the numbers that candidates draw, each kept if no kept one is within a radius: the smallest power
-/// of two, in metres, at which fewer than `count` are kept; then more darts with smaller and smaller radii (McCool and
-/// Fiume 1992) until there are `count`.
+/// Darts in the order of the numbers that candidates draw, each kept if no kept one is within a radius: of a row of radii,
+/// 4.4% apart, the largest that lets `count` be kept, found by bisection.
 ///
 /// Numbers belong to nodes and radii are the same for all trees, so with other candidates here the choice elsewhere
-/// stays, but for the last few of the smallest radius. From a wider radius on, darts would hang on each other all over
-/// the shape; and a radius made to measure would change with every candidate. What is left: at the next power of two all
-/// is chosen anew, which an edit that changes a hundredth of the room hits once in two hundred times.
-fn choose_spread(candidates: Vec<u32>, count: usize, view: &StageView<'_>) -> Vec<u32> {
+/// mostly stays, but for the last few darts; a radius made to measure would change with every candidate. At the next
+/// radius of the row most darts stick where they stuck before. (Darts with smaller and smaller radii, after McCool and
+/// Fiume 1992, are not stable: the first few hang on each other all over the shape.)
+pub(super) fn choose_spread(candidates: Vec<u32>, count: usize, view: &StageView<'_>) -> Vec<u32> {
     let positions = view.graph().positions();
     let at = |node: u32| positions[node as usize];
-    let mut open = choose_uniform(candidates, usize::MAX, view);
-    let bounds = Bounds::of(open.iter().map(|&node| at(node)));
-    let extent = bounds.size().length().max(f32::MIN_POSITIVE);
-    // One is kept at least.
-    let mut octave = (ln(extent) / LN_2).ceil() as i32 + 1;
-    let mut kept = Vec::new();
-    let radius = |octave: i32, part: i32| powf(2.0, octave as f32 - part as f32 / RADII as f32);
-    let is_fine = |radius: f32| radius < 1e-6 * extent || radius < 1e-30;
-    while !is_fine(radius(octave, 0)) {
-        let darts = throw(&[], &open, count, radius(octave, 0), bounds, at);
-        if darts.len() == count {
-            break;
+    let darts = choose_uniform(candidates, usize::MAX, view);
+    let bounds = Bounds::of(darts.iter().map(|&node| at(node)));
+    let mut best = darts[..count].to_vec();
+    // From no distance, at which all are kept, to an infinite one.
+    let (mut feasible, mut too_far) = (-OCTAVES * RADII, OCTAVES * RADII);
+    while too_far - feasible > 1 {
+        let middle = (feasible + too_far) / 2;
+        let radius = powf(2.0, middle as f32 / RADII as f32);
+        let kept = throw(&darts, count, radius, bounds, at);
+        if kept.len() == count {
+            (feasible, best) = (middle, kept);
+        } else {
+            too_far = middle;
         }
-        kept = darts;
-        octave -= 1;
     }
-    for part in 1.. {
-        let missing = count - kept.len();
-        if missing == 0 {
-            break;
-        }
-        let mut sorted = kept.clone();
-        sorted.sort_unstable();
-        open.retain(|node| sorted.binary_search(node).is_err());
-        let radius = radius(octave + 1, part);
-        if is_fine(radius) {
-            // Those that differ by more are all kept.
-            kept.extend_from_slice(&open[..missing]);
-            break;
-        }
-        kept.extend(throw(&kept, &open, missing, radius, bounds, at));
-    }
-    kept
+    best
 }
 
-/// The first `count` darts that are a radius apart from those that stick and from all before them; fewer if there are not so
-/// many.
-fn throw(
-    sticking: &[u32],
-    darts: &[u32],
-    count: usize,
-    radius: f32,
-    bounds: Bounds,
-    at: impl Fn(u32) -> Vec3,
-) -> Vec<u32> {
-    let mut discs = Discs::new(bounds, radius, sticking.len() + count);
-    sticking.iter().for_each(|&node| discs.insert(at(node)));
+/// The first `count` darts that are a radius apart from all before them; fewer if there are not so many.
+fn throw(darts: &[u32], count: usize, radius: f32, bounds: Bounds, at: impl Fn(u32) -> Vec3) -> Vec<u32> {
+    let mut discs = Discs::new(bounds, radius, count);
     let free = darts.iter().copied().filter(|&node| {
         let is_free = discs.is_free(at(node));
         if is_free {
@@ -222,7 +195,7 @@ struct Discs {
 impl Discs {
     fn new(bounds: Bounds, radius: f32, count: usize) -> Self {
         let size = bounds.size();
-        let side = radius.max(size.max_element() / (2.0 * cbrt(count as f32)).max(1.0));
+        let side = radius.max(size.max_element() / (2.0 * cbrt(count as f32)).max(1.0)).max(f32::MIN_POSITIVE);
         let dims = ((size / side).floor() + Vec3::ONE).as_ivec3();
         let cells = vec![SmallVec::new(); dims.element_product() as usize];
         Self { bounds, radius, side, dims, cells }
