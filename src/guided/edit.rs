@@ -1,12 +1,12 @@
 //! Trees that can be edited.
 
+use super::endpoint::StageView;
 use super::fork::Parts;
 use super::graph::Graph;
 use super::repair::{Asked, Entry, Origins};
 use super::run::Terms;
 use super::search::{Guide, NONE, Search, SearchError};
 use super::synth::{Growth, Stage, SynthesisError, TreeSynth};
-use super::endpoint::StageView;
 use crate::observer::{Observer, Work, report};
 use crate::parameter::ParameterError;
 use crate::shape::Bounds;
@@ -136,7 +136,12 @@ impl<'g> Regrowth<'g> {
     ) -> Result<(), SynthesisError> {
         synth.check_growth()?;
         let refines = synth.refines();
-        ParameterError::unless(!refines, "Stage.refinement", refines, "none; without_refinements takes it away")?;
+        ParameterError::unless(
+            !refines,
+            "Stage.refinement",
+            refines,
+            "none; without_refinements takes it away",
+        )?;
         let result = self.follow(synth, changed, observer);
         if result.is_err() {
             // Some searches are the new pipeline's, some the old one's.

@@ -27,7 +27,8 @@ mod weight;
 pub use around::AroundTree;
 pub use edit::Regrowth;
 pub use endpoint::{
-    AboveEachRoot, AroundEachRoot, Count, EndpointError, EndpointPolicy, HopSurface, InShape, LimbSurface, NearestTo, NearestToEach, Side, StageView,
+    AboveEachRoot, AroundEachRoot, Count, EndpointError, EndpointPolicy, HopSurface, InShape, LimbSurface,
+    NearestTo, NearestToEach, Side, StageView,
 };
 pub use fork::Fork;
 pub use graph::{

@@ -116,8 +116,17 @@ impl Search<'_> {
         let graph = self.graph.clone();
         let state = vec![State::Valid; graph.nodes()];
         let (list, stack) = (Vec::new(), Vec::new());
-        let mut repair =
-            Repair { search: self, graph: &graph, origins, terms, state, list, stack, is_clear: true, anew: 0 };
+        let mut repair = Repair {
+            search: self,
+            graph: &graph,
+            origins,
+            terms,
+            state,
+            list,
+            stack,
+            is_clear: true,
+            anew: 0,
+        };
         repair.change(entries, boxes, *asked)?;
         repair.go_on()?;
         let (is_clear, anew) = (repair.is_clear, repair.anew);
@@ -193,8 +202,12 @@ impl Repair<'_, '_> {
                 moved.push(entry.node);
             }
         }
-        let changed: Vec<u32> =
-            entries.iter().zip(changed).filter(|&(_, changed)| changed).map(|(entry, _)| entry.node).collect();
+        let changed: Vec<u32> = entries
+            .iter()
+            .zip(changed)
+            .filter(|&(_, changed)| changed)
+            .map(|(entry, _)| entry.node)
+            .collect();
         moved.iter().for_each(|&node| self.open(node));
         self.stack.extend_from_slice(&changed);
         self.open_hanging();

@@ -1,7 +1,7 @@
 //! Dijkstra's algorithm with weights fixed lazily (sections 3.1.2 to 3.1.4).
 
-use super::graph::Graph;
 use super::context::Context;
+use super::graph::Graph;
 use super::rule::{GuidingRule, Source, Step};
 use super::search::{Guide, NONE, Search, SearchError, Way};
 use super::weight::{Star, WeightFn};

@@ -107,7 +107,8 @@ impl Shedding {
             }
             let axis = &axis[..standing];
             let place = |i: usize| tree.positions()[axis[i] as usize];
-            let length = |from: usize| (from + 1..standing).map(|i| place(i).distance(place(i - 1))).sum::<f32>();
+            let length =
+                |from: usize| (from + 1..standing).map(|i| place(i).distance(place(i - 1))).sum::<f32>();
             let is_fork = |&i: &usize| children[axis[i] as usize] > u32::from(i + 1 < standing);
             let last = (1..standing).rev().find(is_fork).unwrap_or(0);
             let whole = length(0);

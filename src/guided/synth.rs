@@ -72,7 +72,8 @@ impl Stage {
 
     /// As [`check`](Self::check), and the error says which stage it is.
     fn check_as(&self, number: usize) -> Result<(), ParameterError> {
-        self.check().map_err(|error| ParameterError { range: format!("{} (stage {number})", error.range), ..error })
+        self.check()
+            .map_err(|error| ParameterError { range: format!("{} (stage {number})", error.range), ..error })
     }
 
     fn check(&self) -> Result<(), ParameterError> {
@@ -196,7 +197,12 @@ impl From<SearchError> for SynthesisError {
 impl TreeSynth {
     /// No stages yet, and the pipe model's radii.
     pub fn new(graph: impl GraphBuilder + 'static) -> Self {
-        Self { graph: Arc::new(graph), stages: Vec::new(), shedding: None, radius: Arc::new(PipeModel::default()) }
+        Self {
+            graph: Arc::new(graph),
+            stages: Vec::new(),
+            shedding: None,
+            radius: Arc::new(PipeModel::default()),
+        }
     }
 
     /// Adds a stage. A tree takes 4 or 5 of them (section 3.1.4); at most 65,535.
@@ -357,7 +363,12 @@ impl TreeSynth {
         observer: &dyn Observer,
     ) -> Result<Growth, SynthesisError> {
         let roots = search.roots();
-        ParameterError::unless(roots == 1, "Graph.roots", roots, "1; synthesize_all and grow_all take several")?;
+        ParameterError::unless(
+            roots == 1,
+            "Graph.roots",
+            roots,
+            "1; synthesize_all and grow_all take several",
+        )?;
         let mut grown = self.grow_all(search, seed, observer)?;
         Ok(grown.swap_remove(0))
     }

@@ -1,9 +1,7 @@
 //! What trees beyond the paper have in common: a straight trunk, clothed limbs, nothing that could not hold itself up.
 
 use super::{Site, degrees};
-use crate::guided::{
-    Apart, Bend, ForkAngle, Guided, Leader, LimbSurface, Shedding, Stage, TreeSynth,
-};
+use crate::guided::{Apart, Bend, ForkAngle, Guided, Leader, LimbSurface, Shedding, Stage, TreeSynth};
 use crate::radius::{PipeModel, Stout, Taper};
 use glam::Vec3;
 
@@ -25,7 +23,9 @@ pub(super) fn leader(height: f32) -> Leader {
 /// Whips fall, and what stays is thick enough for its length.
 pub(super) fn finished(synth: TreeSynth, trunk: f32) -> TreeSynth {
     let pipes = PipeModel::default().with_exponent(2.4).with_trunk_diameter(trunk);
-    synth.with_shedding(Shedding::new().with_bare_end(0.9)).with_radius(Stout::new(Taper::new(pipes), 1.0 / 80.0))
+    synth
+        .with_shedding(Shedding::new().with_bare_end(0.9))
+        .with_radius(Stout::new(Taper::new(pipes), 1.0 / 80.0))
 }
 
 impl Site {

@@ -103,9 +103,8 @@ fn spindle(nodes: usize) -> TreeSynth {
 fn cottonwood(nodes: usize) -> TreeSynth {
     let site = Site::new(15.0, 11.5, nodes);
     let broad = HalfEllipsoid::new(Vec3::Y * 4.0, Vec3::new(5.2, 5.4, 5.2));
-    let higher = |hops, count| {
-        Stage::new(fork(), site.surface(hops, count).with_outermost(0.5).only(Side::Higher))
-    };
+    let higher =
+        |hops, count| Stage::new(fork(), site.surface(hops, count).with_outermost(0.5).only(Side::Higher));
     site.tree(0.6)
         .stage(site.limbs(Bend::piecewise(degrees(5.0), degrees(-2.0), 10), broad, 14))
         .stage(higher(5, 90))

@@ -4,8 +4,8 @@ use proptest::prelude::*;
 use std::collections::BTreeMap;
 use treesynth::glam::{IVec3, Vec2, Vec3};
 use treesynth::guided::{
-    AboveEachRoot, AroundEachRoot, Bend, ByTree, Count, GradedYao, Graph, GraphError, Growth, HopSurface, Leader,
-    LimbSurface, NearSurface, PoissonYao, Refinement, Search, Stage, TreeSynth,
+    AboveEachRoot, AroundEachRoot, Bend, ByTree, Count, GradedYao, Graph, GraphError, Growth, HopSurface,
+    Leader, LimbSurface, NearSurface, PoissonYao, Refinement, Search, Stage, TreeSynth,
 };
 use treesynth::shape::{Cuboid, Ellipsoid};
 use treesynth::{GraphBuilder, Silent, Skeleton, SynthesisError, testing};
@@ -40,7 +40,10 @@ fn stages(synth: TreeSynth) -> TreeSynth {
 }
 
 fn graph_of(feet: Vec<Vec3>) -> PoissonYao {
-    PoissonYao::new(plot()).with_nodes(300_000).with_roots(feet).with_leader(Leader::new(Vec3::ZERO, Vec3::Y * 6.0))
+    PoissonYao::new(plot())
+        .with_nodes(300_000)
+        .with_roots(feet)
+        .with_leader(Leader::new(Vec3::ZERO, Vec3::Y * 6.0))
 }
 
 fn grown(synth: &TreeSynth, graph: &Graph, seed: u64) -> Vec<Growth> {
@@ -55,7 +58,8 @@ fn hull(points: impl Iterator<Item = Vec2>) -> Vec<Vec2> {
         let mut chain: Vec<Vec2> = Vec::new();
         for &p in points {
             while chain.len() > 1
-                && (chain[chain.len() - 1] - chain[chain.len() - 2]).perp_dot(p - chain[chain.len() - 1]) <= 0.0
+                && (chain[chain.len() - 1] - chain[chain.len() - 2]).perp_dot(p - chain[chain.len() - 1])
+                    <= 0.0
             {
                 chain.pop();
             }
@@ -74,7 +78,8 @@ fn is_in(hull: &[Vec2], p: Vec2) -> bool {
 
 /// Of the area that the crowns' convex hulls cover from above, the share that more than one covers.
 fn overlap(trees: &[Skeleton]) -> f32 {
-    let crown = |tree: &Skeleton| hull(tree.positions().iter().filter(|p| p.y > 2.0).map(|p| Vec2::new(p.x, p.z)));
+    let crown =
+        |tree: &Skeleton| hull(tree.positions().iter().filter(|p| p.y > 2.0).map(|p| Vec2::new(p.x, p.z)));
     let hulls: Vec<Vec<Vec2>> = trees.iter().map(crown).collect();
     let (mut once, mut more) = (0, 0);
     for i in 0..170 * 150 {
@@ -156,7 +161,10 @@ fn twenty_trees_give_way_to_each_other() {
         );
         assert!(area < 0.5 * area_alone, "{area} of the hulls' area, {area_alone} alone");
         assert!(room < 0.25 * room_alone, "{room} of the room, {room_alone} alone");
-        assert!(least >= spacing * 0.999 && gap > 2.0 * gap_alone, "{gap} m, at least {least}; {gap_alone} alone");
+        assert!(
+            least >= spacing * 0.999 && gap > 2.0 * gap_alone,
+            "{gap} m, at least {least}; {gap_alone} alone"
+        );
     }
 }
 
@@ -261,8 +269,10 @@ fn roots_that_cannot_be_are_named() {
 #[test]
 fn each_root_has_its_leader() {
     let feet = [Vec3::new(-1.5, 0.0, 0.0), Vec3::ZERO, Vec3::new(1.5, 0.0, 0.0)];
-    let leader = |height: f32| Leader::new(Vec3::X * 50.0, Vec3::new(50.0, height, 0.0)).with_waywardness(0.05);
-    let graph = small(&feet, 4000).with_leaders([leader(2.0), leader(3.0)]).build(3, &Silent).expect("a graph");
+    let leader =
+        |height: f32| Leader::new(Vec3::X * 50.0, Vec3::new(50.0, height, 0.0)).with_waywardness(0.05);
+    let graph =
+        small(&feet, 4000).with_leaders([leader(2.0), leader(3.0)]).build(3, &Silent).expect("a graph");
     let tops = |graph: &Graph| -> Vec<f32> {
         let trees = grown(&TreeSynth::new(small(&feet, 9)).stage(nothing()), graph, 1);
         trees.iter().map(|tree| tree.skeleton.positions().iter().map(|p| p.y).fold(0.0, f32::max)).collect()
@@ -270,9 +280,8 @@ fn each_root_has_its_leader() {
     assert_eq!(tops(&graph), [2.0, 3.0, 3.0]);
     // They stray each in a way of its own.
     let trees = grown(&TreeSynth::new(small(&feet, 9)).stage(nothing()), &graph, 1);
-    let shape = |i: usize| -> Vec<Vec3> {
-        trees[i].skeleton.positions().iter().map(|&p| p - feet[i]).collect()
-    };
+    let shape =
+        |i: usize| -> Vec<Vec3> { trees[i].skeleton.positions().iter().map(|&p| p - feet[i]).collect() };
     assert_ne!(shape(1), shape(2));
     let drawn = leader(4.0).skeleton(1, 0.3).expect("a trunk");
     let drawn = drawn.clone().with_positions(drawn.positions().iter().map(|&p| p - Vec3::X * 50.0).collect());
@@ -302,8 +311,9 @@ fn leaders_stand_in_graded_graphs() {
     let region = Cuboid::new(Vec3::new(-3.0, 0.0, -3.0), Vec3::new(3.0, 6.0, 3.0));
     let feet = [Vec3::new(-1.0, 0.0, 0.0), Vec3::new(1.0, 0.0, 0.5)];
     for seed in 1..6 {
-        let builder =
-            GradedYao::new(region, sizing()).with_roots(feet).with_leader(Leader::new(Vec3::ZERO, Vec3::Y * 5.0));
+        let builder = GradedYao::new(region, sizing())
+            .with_roots(feet)
+            .with_leader(Leader::new(Vec3::ZERO, Vec3::Y * 5.0));
         testing::hold_builder(&builder, seed).expect("a sound graph");
         let graph = builder.build(seed, &Silent).expect("a graph");
         let spacing = builder.spacing().expect("a sound region");

@@ -34,12 +34,22 @@ fn probe() {
         let start = std::time::Instant::now();
         let graph = builder.build(1, &Silent).unwrap();
         let spacing = builder.spacing().unwrap();
-        println!("{nodes}: {:?} longest {} agree {} unreach {} maxhops {}", start.elapsed(), longest_edge(&graph) / spacing, agreement(&graph), graph.unreachable(), graph.hops_from_root().iter().max().unwrap());
+        println!(
+            "{nodes}: {:?} longest {} agree {} unreach {} maxhops {}",
+            start.elapsed(),
+            longest_edge(&graph) / spacing,
+            agreement(&graph),
+            graph.unreachable(),
+            graph.hops_from_root().iter().max().unwrap()
+        );
     }
     for name in ["figure-06a", "figure-06b", "figure-06c", "figure-12-t03", "figure-12-t06"] {
         let tree = presets::by_name(name).unwrap().synth(150_000).synthesize(1).unwrap();
         let p = tree.positions();
-        let width = |d: Vec3| p.iter().map(|p| p.dot(d)).fold(f32::MIN, f32::max) - p.iter().map(|p| p.dot(d)).fold(f32::MAX, f32::min);
+        let width = |d: Vec3| {
+            p.iter().map(|p| p.dot(d)).fold(f32::MIN, f32::max)
+                - p.iter().map(|p| p.dot(d)).fold(f32::MAX, f32::min)
+        };
         let axis = (width(Vec3::X) + width(Vec3::Z)) * 0.5;
         let d = Vec3::new(1.0, 0.0, 1.0).normalize();
         let e = Vec3::new(1.0, 0.0, -1.0).normalize();

@@ -6,15 +6,15 @@ mod allocations;
 #[cfg(feature = "json")]
 mod bad_input;
 mod blob;
+#[cfg(feature = "testing")]
+mod editing;
 mod exports;
 mod figures;
 mod foliage;
-#[cfg(feature = "json")]
-mod growth;
-#[cfg(feature = "testing")]
-mod editing;
 #[cfg(feature = "testing")]
 mod grove;
+#[cfg(feature = "json")]
+mod growth;
 mod hull;
 #[cfg(feature = "testing")]
 mod invariants;
@@ -24,6 +24,7 @@ mod mint_vectors;
 mod oracles;
 mod organizing;
 mod outside;
+mod planted;
 #[cfg(feature = "testing")]
 mod refinement;
 mod sample;

@@ -96,7 +96,8 @@ impl EndpointPolicy for LimbSurface {
         candidates.sort_unstable();
         candidates.dedup_by_key(|&mut (tree, branch, part, ..)| (tree, branch, part));
         if candidates.is_empty() {
-            let place = "on the surface that LimbSurface.hops, outermost, bare_base, least_order and only leave";
+            let place =
+                "on the surface that LimbSurface.hops, outermost, bare_base, least_order and only leave";
             return Err(EndpointError::TooFew { wanted: 1, available: 0, place });
         }
         Ok(candidates.into_iter().map(|(.., node)| node).collect())

@@ -113,9 +113,8 @@ impl HopSurface {
 
     /// The length of an edge in hops.
     fn weight(&self, from: u32, to: u32, view: &StageView<'_>) -> f32 {
-        let hops = self.hop.map_or(1.0, |hop| {
-            view.graph().position(from).distance(view.graph().position(to)) / hop
-        });
+        let hops =
+            self.hop.map_or(1.0, |hop| view.graph().position(from).distance(view.graph().position(to)) / hop);
         if self.randomness == 0.0 {
             return hops;
         }

@@ -195,7 +195,8 @@ struct Discs {
 impl Discs {
     fn new(bounds: Bounds, radius: f32, count: usize) -> Self {
         let size = bounds.size();
-        let side = radius.max(size.max_element() / (2.0 * cbrt(count as f32)).max(1.0)).max(f32::MIN_POSITIVE);
+        let side =
+            radius.max(size.max_element() / (2.0 * cbrt(count as f32)).max(1.0)).max(f32::MIN_POSITIVE);
         let dims = ((size / side).floor() + Vec3::ONE).as_ivec3();
         let cells = vec![SmallVec::new(); dims.element_product() as usize];
         Self { bounds, radius, side, dims, cells }

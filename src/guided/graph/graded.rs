@@ -1,11 +1,11 @@
 //! Poisson-disc nodes of varying spacing with Yao edges.
 
+use super::local::with_trees;
 use super::octree::Octree;
+use super::roots::{check_apart, check_roots, place_leaders};
 use super::sectors::Sectors;
 use super::sizing::SizingField;
 use super::spacing::{Samples, Spacing};
-use super::local::with_trees;
-use super::roots::{check_apart, check_roots, place_leaders};
 use super::yao::{Reach, reach_of, yao};
 use super::{Carried, Graph, GraphBuilder, GraphError, Leader};
 use crate::observer::Observer;
@@ -251,7 +251,12 @@ impl GraphBuilder for GradedYao {
         let spacing = self.spacing()?;
         check_apart(&roots, "GradedYao.roots", |root| spacing.at(root))?;
         roots.iter().try_for_each(|&root| {
-            ParameterError::unless(self.region.contains(root), "GradedYao.root", root, "a point of the region")
+            ParameterError::unless(
+                self.region.contains(root),
+                "GradedYao.root",
+                root,
+                "a point of the region",
+            )
         })
     }
 }

@@ -20,13 +20,18 @@ pub(in crate::guided) fn around_tree(
     observer: &dyn Observer,
 ) -> Result<Graph, GraphError> {
     let tree = &carried.positions;
-    let positions = Discs { region, fixed: tree, spacing, planar: sectors.are_planar() }.place(seed, observer)?;
+    let positions =
+        Discs { region, fixed: tree, spacing, planar: sectors.are_planar() }.place(seed, observer)?;
     let near = yao(&positions, sectors, Reach::Same(longest), observer)?;
     with_trees(positions, &near, carried)
 }
 
 /// Nodes and edges to near ones, and the edges of the trees whose nodes are the first; those are planted.
-pub(super) fn with_trees(positions: Vec<Vec3>, near: &Adjacency, carried: &Carried) -> Result<Graph, GraphError> {
+pub(super) fn with_trees(
+    positions: Vec<Vec3>,
+    near: &Adjacency,
+    carried: &Carried,
+) -> Result<Graph, GraphError> {
     let mut children: Vec<(u32, u32)> =
         (0u32..).zip(&carried.tree.parents).map(|(child, &parent)| (parent, child)).collect();
     children.retain(|(parent, child)| parent != child);

@@ -257,14 +257,7 @@ impl Graph {
 
     /// For builders that make valid parts by construction.
     fn from_parts(positions: Vec<Vec3>, starts: Vec<u32>, targets: Vec<u32>, root: u32) -> Self {
-        Self {
-            positions,
-            starts,
-            targets,
-            roots: vec![root],
-            hops_from_root: OnceLock::new(),
-            planted: None,
-        }
+        Self { positions, starts, targets, roots: vec![root], hops_from_root: OnceLock::new(), planted: None }
     }
 
     /// The same graph with several roots: a tree grows from each, and all compete for the nodes.

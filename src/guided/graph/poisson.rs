@@ -1,9 +1,9 @@
 //! Poisson-disc nodes with Yao edges: the paper's graph.
 
+use super::roots::{check_apart, check_roots, place_leaders};
 use super::sectors::Sectors;
 use super::tiles::Discs;
 use super::yao::{Adjacency, Reach, reach_of, yao};
-use super::roots::{check_apart, check_roots, place_leaders};
 use super::{Carried, Graph, GraphBuilder, GraphError, Leader, around_tree};
 use crate::observer::Observer;
 use crate::parameter::ParameterError;

@@ -37,7 +37,11 @@ pub(super) fn check_apart(
             let least = spacings[a].min(spacings[b]);
             if roots[a].distance(roots[b]) < least {
                 let value = format_args!("{} (number {}) and {} (number {})", roots[a], a, roots[b], b);
-                return Err(ParameterError::new(parameter, value, format!("at least the spacing, {least} m, apart")));
+                return Err(ParameterError::new(
+                    parameter,
+                    value,
+                    format!("at least the spacing, {least} m, apart"),
+                ));
             }
         }
     }
