@@ -42,16 +42,16 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         rules.then(Bend::piecewise(angle, 0.0, 1).with_hop_length(0.25))
     });
     let crown = Ellipsoid::new(Vec3::Y * 5.0, Vec3::new(2.6, 2.4, 2.6));
+    // What is nearer to a neighbour's trunk costs more, so crowns give way to each other.
+    let limbs = Stage::new(limbs, AroundEachRoot::new(crown, Count::UpTo(30)))
+        .with_weight(Territory::new(Apart::new(Guided, 0.25), feet.clone(), 0.5));
     let twigs = |metres: f32, spacing: f32| {
         let endpoints = LimbSurface::new(3, spacing).with_hop_length(metres / 3.0).with_least_order(1);
         let rule = ForkAngle::new(50f32.to_radians(), Bend::none()).with_spread(0.2);
-        Stage::new(rule, endpoints).with_weight(Apart::new(Guided, 0.5))
+        Stage::new(rule, endpoints).with_weight(Territory::new(Apart::new(Guided, 0.5), feet.clone(), 0.5))
     };
     let trees = TreeSynth::new(graph)
-        .stage(
-            Stage::new(limbs, AroundEachRoot::new(crown, Count::UpTo(30)))
-                .with_weight(Apart::new(Guided, 0.25)),
-        )
+        .stage(limbs)
         .stage(twigs(0.7, 0.35))
         .stage(twigs(0.45, 0.3))
         .with_radius(PipeModel::default().with_exponent(2.3).with_trunk_diameter(0.2))

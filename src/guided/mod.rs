@@ -22,6 +22,7 @@ mod run;
 mod search;
 mod shed;
 mod synth;
+mod territory;
 mod weight;
 
 pub use around::AroundTree;
@@ -43,4 +44,5 @@ pub use rule::{
 pub use search::{Search, SearchError};
 pub use shed::Shedding;
 pub use synth::{Growth, Stage, SynthesisError, TreeSynth};
+pub use territory::Territory;
 pub use weight::{Apart, Edge, Guided, GuidedPower, Length, Multimodal, Star, WeightFn, Within};

@@ -154,13 +154,19 @@ pub(super) fn choose_spread(candidates: Vec<u32>, count: usize, view: &StageView
     let at = |node: u32| positions[node as usize];
     let darts = choose_uniform(candidates, usize::MAX, view);
     let bounds = Bounds::of(darts.iter().map(|&node| at(node)));
+    let extent = bounds.size().length() * 1.01;
     let mut best = darts[..count].to_vec();
     // From no distance, at which all are kept, to an infinite one.
     let (mut feasible, mut too_far) = (-OCTAVES * RADII, OCTAVES * RADII);
     while too_far - feasible > 1 {
         let middle = (feasible + too_far) / 2;
         let radius = powf(2.0, middle as f32 / RADII as f32);
-        let kept = throw(&darts, count, radius, bounds, at);
+        // Nothing is farther apart than that, and one is kept at least.
+        let kept = if radius > extent && count > 1 {
+            Vec::new()
+        } else {
+            throw(&darts, count, radius, bounds, at)
+        };
         if kept.len() == count {
             (feasible, best) = (middle, kept);
         } else {
