@@ -33,14 +33,21 @@ impl Context<'_> {
         }
     }
 
+    /// The number of the tree that a node is on.
+    pub(super) fn tree(&self, source: u32) -> u32 {
+        match *self {
+            Self::Search(search) => search.tree_of(source).unwrap_or(0),
+            Self::Alone { fork, .. } => fork.tree,
+        }
+    }
+
     /// Where the root is of the tree that a node is on.
     pub(super) fn root(&self, source: u32) -> Vec3 {
         match *self {
             Self::Search(search) => {
                 let graph = search.graph();
-                let roots = graph.roots();
-                let tree = if roots.len() > 1 { self.fork(source).tree as usize } else { 0 };
-                graph.position(roots[tree])
+                let tree = search.tree_of(source).map_or(0, |tree| tree as usize);
+                graph.position(graph.roots()[tree])
             }
             Self::Alone { root, .. } => root,
         }
@@ -49,7 +56,10 @@ impl Context<'_> {
     /// Whether an edge leads from `node` to the tree.
     pub(super) fn is_beside_tree(&self, node: u32) -> bool {
         match *self {
-            Self::Search(search) => search.graph().neighbours(node).iter().any(|&to| search.is_on_tree(to)),
+            Self::Search(search) => {
+                search.asked_beside.get_or_init(|| ());
+                search.graph().neighbours(node).iter().any(|&to| search.is_on_tree(to))
+            }
             Self::Alone { .. } => node == 0,
         }
     }

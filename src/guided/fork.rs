@@ -101,7 +101,7 @@ pub(super) struct Parts<'a> {
     pub(super) positions: Vec<Vec3>,
     /// By place; a root's is none.
     pub(super) parents: Vec<Option<u32>>,
-    pub(super) stages: &'a [u16],
+    pub(super) stages: Vec<u16>,
     pub(super) hops: Vec<u32>,
     /// Empty where none are given.
     pub(super) radii: &'a [f32],

@@ -11,24 +11,28 @@
 mod around;
 mod context;
 mod drawn;
+mod edit;
 mod endpoint;
 mod example;
 mod fork;
 mod graph;
 mod queue;
 mod refine;
+mod repair;
 mod rule;
 mod run;
 mod search;
 mod shed;
 mod synth;
+mod territory;
 mod weight;
 
 pub use around::AroundTree;
 pub use drawn::{Canvas, DrawnLimbs, Stroke};
+pub use edit::Regrowth;
 pub use endpoint::{
-    Count, EndpointError, EndpointPolicy, HopSurface, InShape, LimbSurface, NearestTo, NearestToEach, Side,
-    StageView,
+    AboveEachRoot, AroundEachRoot, Count, EndpointError, EndpointPolicy, HopSurface, InShape, LimbSurface,
+    NearestTo, NearestToEach, Side, StageView,
 };
 pub use example::{Example, OrderTraits, TrunkTraits};
 pub use fork::Fork;
@@ -44,4 +48,5 @@ pub use rule::{
 pub use search::{Search, SearchError};
 pub use shed::Shedding;
 pub use synth::{Growth, Stage, SynthesisError, TreeSynth};
+pub use territory::Territory;
 pub use weight::{Apart, Edge, Guided, GuidedPower, Length, Multimodal, Star, WeightFn, Within};

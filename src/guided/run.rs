@@ -33,15 +33,7 @@ impl Search<'_> {
         report(terms.observer, work, 0.0)?;
         for index in 0..self.tree.len() {
             let node = self.tree[index];
-            let source = Source {
-                context: Context::Search(self),
-                node,
-                position: self.graph.position(node),
-                vector: self.guides[node as usize].vector,
-                stage: terms.stage,
-                seed: terms.seed,
-            };
-            self.guides[node as usize].vector = unit_vector(terms.rule.source(&source), terms.stage, node)?;
+            self.guides[node as usize].vector = self.source_vector(node, terms)?;
             self.queue.push(0.0, node);
         }
         self.wanted.clear();
@@ -92,36 +84,10 @@ impl Search<'_> {
     /// "The event of finalizing a node's cost also fixes its guiding vector", then its edges get their weights.
     fn settle(&mut self, graph: &Graph, node: u32, terms: &Terms<'_>) -> Result<(), SearchError> {
         let here = node as usize;
-        let position = graph.position(node);
         if self.place[here] == NONE {
-            let parent = self.ways[here].parent;
-            let start = graph.position(parent);
-            let way = position - start;
-            let length = way.length();
-            let before = self.guides[parent as usize];
-            let (hops, start) =
-                if self.place[parent as usize] == NONE { (before.hops, before.length) } else { (0, 0.0) };
-            let (hops, path_length) = (hops + 1, start + length);
-            let step = Step {
-                context: Context::Search(self),
-                node,
-                from: parent,
-                source: before.source,
-                position,
-                edge: way / length,
-                length,
-                vector: before.vector,
-                hops,
-                path_length,
-                stage: terms.stage,
-                seed: terms.seed,
-            };
-            let vector = unit_vector(terms.rule.guide(&step), terms.stage, node)?;
-            self.guides[here] = Guide { vector, hops, length: path_length, source: before.source };
+            self.guides[here] = self.guide(graph, node, terms)?;
         }
-        let (guide, cost) = (self.guides[here], self.ways[here].cost);
-        let (hops, path_length) =
-            if self.place[here] == NONE { (guide.hops, guide.length) } else { (0, 0.0) };
+        let cost = self.ways[here].cost;
         let mut ends = [(0, Vec3::ZERO); STAR];
         let mut weights = [0.0; STAR];
         for neighbours in graph.neighbours(node).chunks(STAR) {
@@ -131,24 +97,8 @@ impl Search<'_> {
                 // As cheap already, so settled or about to be: asking for the weight would be in vain.
                 open += usize::from(self.ways[to as usize].cost > cost);
             }
-            let star = Star {
-                context: Context::Search(self),
-                from: node,
-                source: guide.source,
-                start: position,
-                vector: guide.vector,
-                cost,
-                hops,
-                path_length,
-                stage: terms.stage,
-                seed: terms.seed,
-                ends: &ends[..open],
-            };
-            terms.weight.weights(&star, &mut weights[..open]);
+            self.weigh(graph, node, &ends[..open], &mut weights[..open], terms)?;
             for (&(to, _), &weight) in ends[..open].iter().zip(&weights) {
-                if weight.is_nan() || weight < 0.0 {
-                    return Err(SearchError::Weight { stage: terms.stage, from: node, to, weight });
-                }
                 // `+ 0.0` turns a weight of -0 into 0, whose bits are in order.
                 let through = cost + weight + 0.0;
                 let known = &mut self.ways[to as usize];
@@ -161,8 +111,91 @@ impl Search<'_> {
         Ok(())
     }
 
-    /// Adds the least-cost paths to `endpoints` to the tree.
-    pub(super) fn extend(&mut self, endpoints: &[u32], stage: usize) -> Result<(), SearchError> {
+    /// What a node off the tree leaves to those after it; its way is final.
+    #[inline]
+    pub(super) fn guide(&self, graph: &Graph, node: u32, terms: &Terms<'_>) -> Result<Guide, SearchError> {
+        let position = graph.position(node);
+        let parent = self.ways[node as usize].parent;
+        let way = position - graph.position(parent);
+        let length = way.length();
+        let before = self.guides[parent as usize];
+        let (hops, start) =
+            if self.place[parent as usize] == NONE { (before.hops, before.length) } else { (0, 0.0) };
+        let (hops, path_length) = (hops + 1, start + length);
+        let step = Step {
+            context: Context::Search(self),
+            node,
+            from: parent,
+            source: before.source,
+            position,
+            edge: way / length,
+            length,
+            vector: before.vector,
+            hops,
+            path_length,
+            stage: terms.stage,
+            seed: terms.seed,
+        };
+        let vector = unit_vector(terms.rule.guide(&step), terms.stage, node)?;
+        Ok(Guide { vector, hops, length: path_length, source: before.source })
+    }
+
+    /// The weights of edges from a settled node.
+    #[inline]
+    pub(super) fn weigh(
+        &self,
+        graph: &Graph,
+        node: u32,
+        ends: &[(u32, Vec3)],
+        weights: &mut [f32],
+        terms: &Terms<'_>,
+    ) -> Result<(), SearchError> {
+        let here = node as usize;
+        let guide = self.guides[here];
+        let (hops, path_length) =
+            if self.place[here] == NONE { (guide.hops, guide.length) } else { (0, 0.0) };
+        let star = Star {
+            context: Context::Search(self),
+            from: node,
+            source: guide.source,
+            start: graph.position(node),
+            vector: guide.vector,
+            cost: self.ways[here].cost,
+            hops,
+            path_length,
+            stage: terms.stage,
+            seed: terms.seed,
+            ends,
+        };
+        terms.weight.weights(&star, weights);
+        for (&(to, _), &weight) in ends.iter().zip(&*weights) {
+            if weight.is_nan() || weight < 0.0 {
+                return Err(SearchError::Weight { stage: terms.stage, from: node, to, weight });
+            }
+        }
+        Ok(())
+    }
+
+    /// The vector with which a node of the tree enters the stage.
+    pub(super) fn source_vector(&self, node: u32, terms: &Terms<'_>) -> Result<Vec3, SearchError> {
+        let source = Source {
+            context: Context::Search(self),
+            node,
+            position: self.graph.position(node),
+            vector: self.guides[node as usize].vector,
+            stage: terms.stage,
+            seed: terms.seed,
+        };
+        unit_vector(terms.rule.source(&source), terms.stage, node)
+    }
+
+    /// The stage that nodes are marked with that join in a stage of the pipeline.
+    pub(super) fn joining(&self, stage: usize) -> u16 {
+        self.stages_before.saturating_add(stage as u16)
+    }
+
+    /// Whether the endpoints are nodes that paths lead to.
+    pub(super) fn check_endpoints(&self, endpoints: &[u32], stage: usize) -> Result<(), SearchError> {
         for &node in endpoints {
             if node as usize >= self.graph.nodes() {
                 return Err(SearchError::UnknownEndpoint { stage, node, nodes: self.graph.nodes() });
@@ -171,7 +204,13 @@ impl Search<'_> {
                 return Err(SearchError::Unreachable { stage, node });
             }
         }
-        let joined = self.stages_before.saturating_add(stage as u16);
+        Ok(())
+    }
+
+    /// Adds the least-cost paths to `endpoints` to the tree.
+    pub(super) fn extend(&mut self, endpoints: &[u32], stage: usize) -> Result<(), SearchError> {
+        self.check_endpoints(endpoints, stage)?;
+        let joined = self.joining(stage);
         let mut path = Vec::new();
         for &endpoint in endpoints {
             let mut node = endpoint;

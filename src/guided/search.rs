@@ -32,11 +32,15 @@ pub struct Search<'g> {
     /// Nodes of the trees, each after its parent.
     pub(super) tree: Vec<u32>,
     /// Stage in which each node of `tree` joined.
-    stages: Vec<u16>,
+    pub(super) stages: Vec<u16>,
+    /// The number of the tree that each node of `tree` is on.
+    pub(super) owners: Vec<u32>,
     /// The least radius of each node of `tree`, metres; shorter where none is given for the rest.
-    radii: Vec<f32>,
+    pub(super) radii: Vec<f32>,
     /// The fork at each node of `tree`, worked out when a rule or a weight first asks in a stage.
-    forks: OnceLock<Vec<Fork>>,
+    pub(super) forks: OnceLock<Vec<Fork>>,
+    /// Set when a weight has asked in a stage what lies beside the tree.
+    pub(super) asked_beside: OnceLock<()>,
     pub(super) queue: Queue,
     /// A bit a node: the search stops when all of these are settled.
     pub(super) wanted: Vec<u64>,
@@ -83,9 +87,9 @@ pub(super) struct Guide {
     pub(super) source: u32,
 }
 
-const NO_WAY: Way = Way { cost: f32::INFINITY, parent: NONE };
+pub(super) const NO_WAY: Way = Way { cost: f32::INFINITY, parent: NONE };
 /// Not settled: no rule may give this vector.
-const NO_VECTOR: Vec3 = Vec3::NAN;
+pub(super) const NO_VECTOR: Vec3 = Vec3::NAN;
 const NO_GUIDE: Guide = Guide { vector: NO_VECTOR, hops: 0, length: 0.0, source: NONE };
 
 /// What a rule or a weight did that no search can go on with.
@@ -159,8 +163,10 @@ impl<'g> Search<'g> {
             place: vec![NONE; nodes],
             tree: Vec::new(),
             stages: Vec::new(),
+            owners: Vec::new(),
             radii: Vec::new(),
             forks: OnceLock::new(),
+            asked_beside: OnceLock::new(),
             queue: Queue::default(),
             wanted: Vec::new(),
             complete: false,
@@ -188,6 +194,7 @@ impl<'g> Search<'g> {
         self.place.resize(nodes, NONE);
         self.tree.clear();
         self.stages.clear();
+        self.owners.clear();
         self.radii.clear();
     }
 
@@ -237,6 +244,7 @@ impl<'g> Search<'g> {
         }
         self.queue.clear();
         self.forks = OnceLock::new();
+        self.asked_beside = OnceLock::new();
         self.complete = false;
     }
 
@@ -254,6 +262,11 @@ impl<'g> Search<'g> {
     }
 
     pub(super) fn join(&mut self, node: u32, stage: u16) {
+        let owner = match self.parent(node) {
+            Some(parent) => self.owners[self.place[parent as usize] as usize],
+            None => self.owners.last().map_or(0, |&owner| owner + 1),
+        };
+        self.owners.push(owner);
         self.place[node as usize] = self.tree.len() as u32;
         self.ways[node as usize].cost = 0.0;
         self.guides[node as usize].source = node;
@@ -296,6 +309,13 @@ impl<'g> Search<'g> {
     #[inline]
     pub fn is_on_tree(&self, node: u32) -> bool {
         self.place[node as usize] != NONE
+    }
+
+    /// Which tree `node` is on, or its path starts from: the number among the graph's [roots](Graph::roots). `None` off
+    /// the trees if not settled.
+    pub fn tree_of(&self, node: u32) -> Option<u32> {
+        let source = if self.is_on_tree(node) { node } else { self.source(node)? };
+        Some(self.owners[self.place[source as usize] as usize])
     }
 
     /// Place of `node` in [`tree`](Self::tree).
@@ -367,7 +387,7 @@ impl<'g> Search<'g> {
         let parts = Parts {
             positions: self.tree.iter().map(|&node| self.graph.position(node)).collect(),
             parents: self.tree.iter().map(parent).collect(),
-            stages: &self.stages,
+            stages: self.stages.clone(),
             hops: self.tree.iter().map(|&node| self.hops(node)).collect(),
             radii: &self.radii,
         };

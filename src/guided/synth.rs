@@ -19,15 +19,19 @@ use std::sync::Arc;
 /// Cloning shares the strategies.
 #[derive(Clone)]
 pub struct Stage {
-    rule: Arc<dyn GuidingRule>,
-    weight: Arc<dyn WeightFn>,
-    endpoints: Arc<dyn EndpointPolicy>,
+    pub(super) rule: Arc<dyn GuidingRule>,
+    pub(super) weight: Arc<dyn WeightFn>,
+    pub(super) endpoints: Arc<dyn EndpointPolicy>,
     refinement: Option<Refinement>,
 }
 
 impl std::fmt::Debug for Stage {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.debug_struct("Stage").finish_non_exhaustive()
+        f.debug_struct("Stage")
+            .field("refinement", &self.refinement)
+            .field("needs_search", &self.endpoints.needs_search())
+            .field("forbids", &self.weight.forbids())
+            .finish_non_exhaustive()
     }
 }
 
@@ -42,6 +46,18 @@ impl Stage {
         }
     }
 
+    /// Another rule.
+    pub fn with_rule(mut self, rule: impl GuidingRule + 'static) -> Self {
+        self.rule = Arc::new(rule);
+        self
+    }
+
+    /// Other endpoints.
+    pub fn with_endpoints(mut self, endpoints: impl EndpointPolicy + 'static) -> Self {
+        self.endpoints = Arc::new(endpoints);
+        self
+    }
+
     /// Other weights.
     pub fn with_weight(mut self, weight: impl WeightFn + 'static) -> Self {
         self.weight = Arc::new(weight);
@@ -52,6 +68,12 @@ impl Stage {
     pub fn with_refinement(mut self, refinement: Refinement) -> Self {
         self.refinement = Some(refinement);
         self
+    }
+
+    /// As [`check`](Self::check), and the error says which stage it is.
+    fn check_as(&self, number: usize) -> Result<(), ParameterError> {
+        self.check()
+            .map_err(|error| ParameterError { range: format!("{} (stage {number})", error.range), ..error })
     }
 
     fn check(&self) -> Result<(), ParameterError> {
@@ -92,7 +114,10 @@ pub struct TreeSynth {
 
 impl std::fmt::Debug for TreeSynth {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.debug_struct("TreeSynth").field("stages", &self.stages.len()).finish_non_exhaustive()
+        f.debug_struct("TreeSynth")
+            .field("stages", &self.stages)
+            .field("shedding", &self.shedding)
+            .finish_non_exhaustive()
     }
 }
 
@@ -186,6 +211,12 @@ impl TreeSynth {
         self
     }
 
+    /// Other stages, all of them: those of [`stages`](Self::stages) with some changed, for one.
+    pub fn with_stages(mut self, stages: impl Into<Vec<Stage>>) -> Self {
+        self.stages = stages.into();
+        self
+    }
+
     /// The first stages alone, to see a tree that is not finished.
     pub fn first_stages(mut self, stages: usize) -> Self {
         self.stages.truncate(stages);
@@ -235,7 +266,7 @@ impl TreeSynth {
         self.check_growth()
     }
 
-    fn check_growth(&self) -> Result<(), ParameterError> {
+    pub(super) fn check_growth(&self) -> Result<(), ParameterError> {
         let stages = self.stages.len();
         ParameterError::unless(
             (1..=65_535).contains(&stages),
@@ -243,7 +274,7 @@ impl TreeSynth {
             stages,
             "1 to 65535 stages",
         )?;
-        self.stages.iter().try_for_each(Stage::check)?;
+        self.stages.iter().enumerate().try_for_each(|(number, stage)| stage.check_as(number))?;
         self.shedding.as_ref().map_or(Ok(()), Shedding::check)?;
         self.radius.check()
     }
@@ -367,11 +398,22 @@ impl TreeSynth {
             }
             endpoints.push(self.search_stage(search, stage, seed, observer)?);
         }
+        self.finish(search.skeletons()?, search.tree(), &endpoints, search.finer_graph(), observer)
+    }
+
+    /// Sheds and thickens trees, each given with the place of its nodes in `tree`.
+    pub(super) fn finish(
+        &self,
+        trees: Vec<(Skeleton, Vec<usize>)>,
+        tree: &[u32],
+        endpoints: &[Vec<u32>],
+        graph: Option<Arc<Graph>>,
+        observer: &dyn Observer,
+    ) -> Result<Vec<Growth>, SynthesisError> {
         report(observer, Work::Radii, 0.0)?;
-        let trees = search.skeletons()?;
         let several = trees.len() > 1;
         let grown = trees.into_iter().map(|(skeleton, places)| {
-            let mut nodes: Vec<u32> = places.into_iter().map(|place| search.tree()[place]).collect();
+            let mut nodes: Vec<u32> = places.into_iter().map(|place| tree[place]).collect();
             let skeleton = if let Some(shedding) = &self.shedding {
                 let (kept, places) = shedding.shed(&skeleton)?;
                 nodes = places.into_iter().map(|place| nodes[place as usize]).collect();
@@ -380,13 +422,13 @@ impl TreeSynth {
                 skeleton
             };
             let skeleton = self.thicken(skeleton)?;
-            let mut endpoints = endpoints.clone();
+            let mut endpoints = endpoints.to_vec();
             if several || self.shedding.is_some() {
                 let mut own = nodes.clone();
                 own.sort_unstable();
                 endpoints.iter_mut().for_each(|stage| stage.retain(|node| own.binary_search(node).is_ok()));
             }
-            Ok(Growth { skeleton, nodes, endpoints, graph: search.finer_graph() })
+            Ok(Growth { skeleton, nodes, endpoints, graph: graph.clone() })
         });
         let grown = grown.collect::<Result<_, SynthesisError>>()?;
         report(observer, Work::Radii, 1.0)?;
@@ -419,7 +461,7 @@ impl TreeSynth {
         observer: &dyn Observer,
     ) -> Result<Vec<u32>, SynthesisError> {
         let numbered = self.numbered(stage)?;
-        numbered.check()?;
+        numbered.check_as(stage)?;
         if numbered.refinement.is_none() {
             return self.search_stage(search, stage, seed, observer);
         }

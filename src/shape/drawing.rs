@@ -36,7 +36,7 @@ impl Outline {
                 format!("SVG path data ({reason})"),
             )
         };
-        let contours = contours(data).map_err(refused)?;
+        let contours = path_lines(data).map_err(refused)?;
         Ok(mended(contours, FillRule::NonZero))
     }
 
@@ -70,7 +70,7 @@ impl Outline {
         // The conversion below draws a path up to what is wrong in it, as the specification asks of viewers.
         for node in document.descendants().filter(|node| node.tag_name().name() == "path" && is_drawn(*node))
         {
-            if let Some(error) = node.attribute("d").and_then(|data| contours(data).err()) {
+            if let Some(error) = node.attribute("d").and_then(|data| path_lines(data).err()) {
                 let line = document.text_pos_at(node.range().start);
                 return Err(refused(
                     format!("a path at line {line} with {error}"),
@@ -214,8 +214,8 @@ impl Pen {
     }
 }
 
-/// The polygons of path data, all of it.
-fn contours(data: &str) -> Result<Vec<Vec<DVec2>>, String> {
+/// The lines of path data, all of it, curves made straight, y down; what closes them is not among them.
+pub(crate) fn path_lines(data: &str) -> Result<Vec<Vec<DVec2>>, String> {
     let mut pen = Pen::default();
     // The latest control point, of a cubic and of a quadratic curve.
     let (mut cubic, mut quadratic) = (None, None);

@@ -30,6 +30,8 @@ pub use bounds::Bounds;
 pub use combine::{Difference, Intersection, Translated, Union};
 pub use cone::{Cone, Cylinder};
 pub use cuboid::Cuboid;
+#[cfg(feature = "import")]
+pub(crate) use drawing::path_lines;
 pub use ellipsoid::{Ellipsoid, HalfEllipsoid, Sphere};
 pub use mesh::{Flaws, TriangleMesh, TriangleMeshError};
 #[cfg(feature = "import")]

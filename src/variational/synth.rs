@@ -372,11 +372,11 @@ impl VariationalSynth {
         self.run(seed, observer, Some(visit))
     }
 
-    fn run(
+    fn run<'v>(
         &self,
         seed: u64,
         observer: &dyn Observer,
-        visit: Option<&mut Visit<'_>>,
+        visit: Option<&'v mut Visit<'v>>,
     ) -> Result<Growth, VariationalError> {
         self.check()?;
         let (nodes, weights, soft) = self.scales();

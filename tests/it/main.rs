@@ -9,10 +9,13 @@ mod blob;
 #[cfg(feature = "testing")]
 mod climbing;
 mod drawn;
+mod editing;
 mod example;
 mod exports;
 mod figures;
 mod foliage;
+#[cfg(feature = "testing")]
+mod grove;
 #[cfg(feature = "json")]
 mod growth;
 mod hull;
@@ -31,6 +34,7 @@ mod outside;
 mod phenomena;
 #[cfg(feature = "testing")]
 mod planar;
+mod planted;
 #[cfg(feature = "testing")]
 mod refinement;
 mod sample;

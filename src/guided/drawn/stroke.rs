@@ -1,6 +1,10 @@
 //! One line of a drawing, in space or on a plane.
 
 use crate::parameter::ParameterError;
+#[cfg(feature = "import")]
+use crate::shape::path_lines;
+#[cfg(feature = "import")]
+use glam::DVec2;
 use glam::{Vec2, Vec3};
 
 /// A plane to draw on, seen from a side.
@@ -98,29 +102,22 @@ impl Stroke {
     }
 
     /// The strokes of SVG path data (the `d` of a `<path>`): one for each part that begins with a move. Curves become
-    /// lines within a thousandth of the path's extent; y points down in SVG, and up on the canvas.
+    /// 16 lines each, and what closes a part is not drawn; y points down in SVG, and up on the canvas.
     ///
     /// # Errors
     /// Text that is no path data, or draws nothing.
     #[cfg(feature = "import")]
     #[cfg_attr(docsrs, doc(cfg(feature = "import")))]
     pub fn from_svg_path(canvas: Canvas, data: &str) -> Result<Vec<Self>, ParameterError> {
-        use kurbo::{PathEl, Shape};
         let wrong = |why: String| ParameterError::new("Stroke.data", format!("{data:.40}"), why);
-        let path =
-            kurbo::BezPath::from_svg(data).map_err(|error| wrong(format!("SVG path data: {error}")))?;
-        let size = path.bounding_box().size();
-        let tolerance = (size.width.max(size.height) * 1e-3).max(1e-9);
-        let mut lines: Vec<Vec<Vec2>> = Vec::new();
-        kurbo::flatten(&path, tolerance, |element| {
-            let point = |p: kurbo::Point| Vec2::new(p.x as f32, -p.y as f32);
-            match (element, lines.last_mut()) {
-                (PathEl::LineTo(p), Some(line)) if line.last() != Some(&point(p)) => line.push(point(p)),
-                (PathEl::MoveTo(p), _) => lines.push(vec![point(p)]),
-                _ => {}
-            }
-        });
-        lines.retain(|line| line.len() > 1);
+        let lines = path_lines(data).map_err(|reason| wrong(format!("SVG path data ({reason})")))?;
+        let flat = |line: Vec<DVec2>| {
+            let mut points: Vec<Vec2> =
+                line.into_iter().map(|p| Vec2::new(p.x as f32, -p.y as f32)).collect();
+            points.dedup();
+            points
+        };
+        let lines: Vec<Vec<Vec2>> = lines.into_iter().map(flat).filter(|line| line.len() > 1).collect();
         if lines.is_empty() {
             return Err(wrong("path data with at least one line".to_owned()));
         }

@@ -1,9 +1,11 @@
 //! Which nodes branches grow to (sections 3.2.2 to 3.2.4).
 
+mod each_root;
 mod limb;
 mod surface;
 mod volume;
 
+pub use each_root::{AboveEachRoot, AroundEachRoot};
 pub use limb::LimbSurface;
 pub use surface::{HopSurface, Side};
 pub use volume::{InShape, NearestTo, NearestToEach};

@@ -85,21 +85,27 @@ impl HopSurface {
         let graph = view.graph();
         let mut distances = vec![Distance { whole: f32::INFINITY, last: 0.0 }; graph.nodes()];
         let mut queue = Queue::default();
-        for &source in sources {
-            distances[source as usize].whole = 0.0;
-            queue.push(0.0, source);
-        }
-        while let Some((here, node)) = queue.pop(|_, _| true) {
-            if here > distances[node as usize].whole || here >= limit {
-                continue;
-            }
+        sources.iter().for_each(|&source| distances[source as usize].whole = 0.0);
+        let relax = |here: f32, node: u32, distances: &mut [Distance], queue: &mut Queue| {
             for &to in graph.neighbours(node) {
+                if distances[to as usize].whole <= here {
+                    continue;
+                }
                 let last = self.weight(node, to, view);
                 let known = &mut distances[to as usize];
                 if here + last < known.whole {
                     *known = Distance { whole: here + last, last };
-                    queue.push(here + last, to);
+                    // From beyond the limit nothing goes on.
+                    if here + last < limit {
+                        queue.push(here + last, to);
+                    }
                 }
+            }
+        };
+        sources.iter().for_each(|&source| relax(0.0, source, &mut distances, &mut queue));
+        while let Some((here, node)) = queue.pop(|here, node| here <= distances[node as usize].whole) {
+            if here <= distances[node as usize].whole {
+                relax(here, node, &mut distances, &mut queue);
             }
         }
         distances

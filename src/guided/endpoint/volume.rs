@@ -1,12 +1,11 @@
 //! Early endpoints: in a volume (section 3.2.2).
 
 use super::{Count, EndpointError, EndpointPolicy, StageView, choose_uniform};
+use crate::math::{cbrt, powf};
 use crate::nearest::nearest;
 use crate::parameter::ParameterError;
-use crate::shape::Shape;
-use glam::{DVec3, Vec3};
-use rand::seq::SliceRandom;
-use rand_chacha::ChaCha8Rng;
+use crate::shape::{Bounds, Shape};
+use glam::{DVec3, IVec3, Vec3};
 use smallvec::SmallVec;
 
 /// A single endpoint, the reachable node nearest to a point: "for this shape, we dedicate the first iteration to
@@ -110,7 +109,8 @@ pub struct InShape<S> {
 }
 
 impl<S: Shape> InShape<S> {
-    /// Endpoints as far apart as `count` of them can be: Poisson-disc, the radius found by bisection.
+    /// Endpoints about as far apart as `count` of them can be: Poisson-disc, the radius found by going through smaller
+    /// and smaller ones. If the shape or the tree changes in one place, the choice changes around there.
     pub fn poisson_disc(shape: S, count: impl Into<Count>) -> Self {
         Self { shape, count: count.into(), spread: true }
     }
@@ -126,7 +126,7 @@ impl<S: Shape> EndpointPolicy for InShape<S> {
         let candidates = view.candidates(|_, position| self.shape.contains(position));
         let count = self.count.of(candidates.len(), "off the tree, in the shape and reachable")?;
         Ok(if self.spread {
-            choose_spread(candidates, count, view.graph().positions(), &mut view.stream())
+            choose_spread(candidates, count, view)
         } else {
             choose_uniform(candidates, count, view)
         })
@@ -138,68 +138,96 @@ impl<S: Shape> EndpointPolicy for InShape<S> {
     }
 }
 
-/// Darts in random order, each kept if no kept one is within a radius; the largest radius that lets `count` be
-/// kept, to a part in a thousand.
-fn choose_spread(
-    mut candidates: Vec<u32>,
-    count: usize,
-    positions: &[Vec3],
-    random: &mut ChaCha8Rng,
-) -> Vec<u32> {
-    candidates.shuffle(random);
+/// Radii an octave, and octaves each way from 1 m.
+const RADII: i32 = 16;
+const OCTAVES: i32 = 128;
+
+/// Darts in the order of the numbers that candidates draw, each kept if no kept one is within a radius: of a row of radii,
+/// 4.4% apart, the largest that lets `count` be kept, found by bisection.
+///
+/// Numbers belong to nodes and radii are the same for all trees, so with other candidates here the choice elsewhere
+/// mostly stays, but for the last few darts; a radius made to measure would change with every candidate. At the next
+/// radius of the row most darts stick where they stuck before. (Darts with smaller and smaller radii, after McCool and
+/// Fiume 1992, are not stable: the first few hang on each other all over the shape.)
+pub(super) fn choose_spread(candidates: Vec<u32>, count: usize, view: &StageView<'_>) -> Vec<u32> {
+    let positions = view.graph().positions();
     let at = |node: u32| positions[node as usize];
-    let (min, max) = candidates.iter().fold((Vec3::INFINITY, Vec3::NEG_INFINITY), |(min, max), &node| {
-        (min.min(at(node)), max.max(at(node)))
-    });
-    let mut best: Vec<u32> = candidates[..count].to_vec();
-    let (mut feasible, mut too_far) = (0.0f32, (max - min).length() * 1.01);
-    while too_far - feasible > 1e-3 * too_far {
-        let radius = (feasible + too_far) * 0.5;
-        match darts(&candidates, count, radius, (min, max), at) {
-            Some(kept) => (feasible, best) = (radius, kept),
-            None => too_far = radius,
-        }
-        if too_far < 1e-6 * (max - min).length() {
-            break; // All candidates are wanted.
+    let darts = choose_uniform(candidates, usize::MAX, view);
+    let bounds = Bounds::of(darts.iter().map(|&node| at(node)));
+    let extent = bounds.size().length() * 1.01;
+    let mut best = darts[..count].to_vec();
+    // From no distance, at which all are kept, to an infinite one.
+    let (mut feasible, mut too_far) = (-OCTAVES * RADII, OCTAVES * RADII);
+    while too_far - feasible > 1 {
+        let middle = (feasible + too_far) / 2;
+        let radius = powf(2.0, middle as f32 / RADII as f32);
+        // Nothing is farther apart than that, and one is kept at least.
+        let kept =
+            if radius > extent && count > 1 { Vec::new() } else { throw(&darts, count, radius, bounds, at) };
+        if kept.len() == count {
+            (feasible, best) = (middle, kept);
+        } else {
+            too_far = middle;
         }
     }
     best
 }
 
-/// The first `count` candidates that are `radius` apart from all before them, if there are so many.
-fn darts(
-    candidates: &[u32],
-    count: usize,
-    radius: f32,
-    (min, max): (Vec3, Vec3),
-    at: impl Fn(u32) -> Vec3,
-) -> Option<Vec<u32>> {
-    // At least the radius, so that only adjacent cells matter, and not many more cells than endpoints.
-    let size = max - min;
-    let side = radius.max(size.max_element() / (2.0 * crate::math::cbrt(count as f32)).max(1.0));
-    let dims = ((size / side).floor() + Vec3::ONE).as_ivec3();
-    let cell_of = |p: Vec3| ((p - min) / side).floor().as_ivec3().min(dims - 1);
-    let index = |c: glam::IVec3| ((c.z * dims.y + c.y) * dims.x + c.x) as usize;
-    let mut cells: Vec<SmallVec<[u32; 2]>> = vec![SmallVec::new(); dims.element_product() as usize];
-    let mut kept = Vec::with_capacity(count);
-    for &node in candidates {
-        let (position, cell) = (at(node), cell_of(at(node)));
-        let (low, high) = ((cell - 1).max(glam::IVec3::ZERO), (cell + 1).min(dims - 1));
-        let crowded = (low.z..=high.z).any(|z| {
-            (low.y..=high.y).any(|y| {
-                (low.x..=high.x).any(|x| {
-                    let near = |&other: &u32| at(other).distance_squared(position) < radius * radius;
-                    cells[index(glam::IVec3::new(x, y, z))].iter().any(near)
-                })
-            })
-        });
-        if !crowded {
-            kept.push(node);
-            if kept.len() == count {
-                return Some(kept);
-            }
-            cells[index(cell)].push(node);
+/// The first `count` darts that are a radius apart from all before them; fewer if there are not so many.
+fn throw(darts: &[u32], count: usize, radius: f32, bounds: Bounds, at: impl Fn(u32) -> Vec3) -> Vec<u32> {
+    let mut discs = Discs::new(bounds, radius, count);
+    let free = darts.iter().copied().filter(|&node| {
+        let is_free = discs.is_free(at(node));
+        if is_free {
+            discs.insert(at(node));
         }
+        is_free
+    });
+    free.take(count).collect()
+}
+
+/// Places in cells at least a radius wide, so that only adjacent ones matter, and not many more than there are places.
+struct Discs {
+    bounds: Bounds,
+    radius: f32,
+    side: f32,
+    dims: IVec3,
+    cells: Vec<SmallVec<[Vec3; 2]>>,
+}
+
+impl Discs {
+    fn new(bounds: Bounds, radius: f32, count: usize) -> Self {
+        let size = bounds.size();
+        let side =
+            radius.max(size.max_element() / (2.0 * cbrt(count as f32)).max(1.0)).max(f32::MIN_POSITIVE);
+        let dims = ((size / side).floor() + Vec3::ONE).as_ivec3();
+        let cells = vec![SmallVec::new(); dims.element_product() as usize];
+        Self { bounds, radius, side, dims, cells }
     }
-    None
+
+    fn cell_of(&self, place: Vec3) -> IVec3 {
+        ((place - self.bounds.min) / self.side).floor().as_ivec3().min(self.dims - 1)
+    }
+
+    fn cell(&self, cell: IVec3) -> usize {
+        ((cell.z * self.dims.y + cell.y) * self.dims.x + cell.x) as usize
+    }
+
+    fn insert(&mut self, place: Vec3) {
+        let cell = self.cell(self.cell_of(place));
+        self.cells[cell].push(place);
+    }
+
+    /// Whether no place lies within the radius.
+    fn is_free(&self, place: Vec3) -> bool {
+        let cell = self.cell_of(place);
+        let (low, high) = ((cell - 1).max(IVec3::ZERO), (cell + 1).min(self.dims - 1));
+        let near = |other: &Vec3| other.distance_squared(place) < self.radius * self.radius;
+        (low.z..=high.z).all(|z| {
+            (low.y..=high.y).all(|y| {
+                let row = self.cell(IVec3::new(low.x, y, z))..=self.cell(IVec3::new(high.x, y, z));
+                self.cells[row].iter().all(|cell| !cell.iter().any(near))
+            })
+        })
+    }
 }

@@ -1,11 +1,13 @@
 //! Poisson-disc nodes of varying spacing with Yao edges.
 
+use super::local::with_trees;
 use super::octree::Octree;
+use super::roots::{check_apart, check_roots, place_leaders};
 use super::sectors::Sectors;
 use super::sizing::SizingField;
 use super::spacing::{Samples, Spacing};
-use super::yao::{Adjacency, Reach, reach_of, yao};
-use super::{Graph, GraphBuilder, GraphError};
+use super::yao::{Reach, reach_of, yao};
+use super::{Carried, Graph, GraphBuilder, GraphError, Leader};
 use crate::observer::Observer;
 use crate::parameter::ParameterError;
 use crate::shape::Shape;
@@ -50,7 +52,10 @@ pub struct GradedYao {
     nodes: Option<usize>,
     grading: f32,
     sectors: usize,
-    root: Vec3,
+    /// Those asked for; none for one at the origin or at the base of each leader.
+    roots: Option<Vec<Vec3>>,
+    /// One a root; the last one for all that follow.
+    leaders: Vec<Leader>,
     /// Worked out once.
     spacing: OnceLock<Result<Arc<Spacing>, ParameterError>>,
 }
@@ -61,7 +66,8 @@ impl std::fmt::Debug for GradedYao {
             .field("nodes", &self.nodes)
             .field("grading", &self.grading)
             .field("sectors", &self.sectors)
-            .field("root", &self.root)
+            .field("roots", &self.roots)
+            .field("leaders", &self.leaders)
             .finish_non_exhaustive()
     }
 }
@@ -75,6 +81,8 @@ const MAX_GRADING: f32 = 0.14;
 /// Points of the lattice: the fewest, the most, and how many a node.
 const POINTS: [f32; 2] = [32_768.0, 4e6];
 const POINTS_A_NODE: f32 = 2.0;
+/// Length of a leader's internodes, in spacings.
+const PART: f32 = 1.2;
 
 impl GradedYao {
     /// Nodes in `region`, as far apart as `sizing` says, in metres; grading 0.125, so that r doubles within 8 r;
@@ -86,7 +94,8 @@ impl GradedYao {
             nodes: None,
             grading: 0.125,
             sectors: 8,
-            root: Vec3::ZERO,
+            roots: None,
+            leaders: Vec::new(),
             spacing: OnceLock::new(),
         }
     }
@@ -114,9 +123,47 @@ impl GradedYao {
     }
 
     /// Where the root is, metres; it must lie in the region.
-    pub fn with_root(mut self, root: Vec3) -> Self {
-        self.root = root;
+    pub fn with_root(self, root: Vec3) -> Self {
+        self.with_roots([root])
+    }
+
+    /// Where the roots of several trees are, metres: points of the region at least the spacing apart.
+    /// [`TreeSynth::synthesize_all`](crate::TreeSynth::synthesize_all) grows a tree from each.
+    pub fn with_roots(mut self, roots: impl Into<Vec<Vec3>>) -> Self {
+        self.roots = Some(roots.into());
         self
+    }
+
+    /// A trunk that stands from the beginning; see [`PoissonYao::with_leader`](super::PoissonYao::with_leader). Its
+    /// nodes are as far apart as the spacing there says.
+    pub fn with_leader(self, leader: Leader) -> Self {
+        self.with_leaders([leader])
+    }
+
+    /// A leader for each root; see [`PoissonYao::with_leaders`](super::PoissonYao::with_leaders).
+    pub fn with_leaders(mut self, leaders: impl Into<Vec<Leader>>) -> Self {
+        self.leaders = leaders.into();
+        self
+    }
+
+    /// Where trees start.
+    fn all_roots(&self) -> Vec<Vec3> {
+        match &self.roots {
+            Some(roots) => roots.clone(),
+            None if self.leaders.is_empty() => vec![Vec3::ZERO],
+            None => self.leaders.iter().map(Leader::base).collect(),
+        }
+    }
+
+    /// The leaders, divided as finely as the spacing is where they stand.
+    fn planted(&self, spacing: &Spacing, seed: u64) -> Result<Carried, GraphError> {
+        let mut carried = Carried::default();
+        for (number, leader) in (0..).zip(&place_leaders(&self.leaders, self.roots.as_deref())) {
+            let trunk = leader.graded(seed, number, |place| PART * spacing.at(place))?;
+            // Its nodes are as far apart already as they should be.
+            carried.add_skeleton(&trunk, f32::INFINITY);
+        }
+        Ok(carried)
     }
 
     /// The spacing r of nodes at each place. The first call asks the sizing field; more are free.
@@ -182,22 +229,34 @@ impl GraphBuilder for GradedYao {
     fn build(&self, seed: u64, observer: &dyn Observer) -> Result<Graph, GraphError> {
         self.check()?;
         let spacing = self.spacing()?;
-        let positions = Octree::new(&*self.region, &spacing).nodes(self.root, seed, observer)?;
+        let planted = self.planted(&spacing, seed)?;
+        let roots = self.all_roots();
+        let fixed = if planted.positions.is_empty() { &roots } else { &planted.positions };
+        let positions = Octree::new(&*self.region, &spacing).nodes(fixed, seed, observer)?;
         let reach = reach_of(self.sectors, false);
         let reaches: Vec<f32> = positions.iter().map(|&position| reach * spacing.at(position)).collect();
-        let Adjacency { starts, targets } =
-            yao(&positions, &Sectors::new(self.sectors, false), Reach::Each(&reaches), observer)?;
-        Ok(Graph::from_parts(positions, starts, targets, 0))
+        let near = yao(&positions, &Sectors::new(self.sectors, false), Reach::Each(&reaches), observer)?;
+        if !planted.positions.is_empty() {
+            return with_trees(positions, &near, &planted);
+        }
+        let graph = Graph::from_parts(positions, near.starts, near.targets, 0);
+        graph.with_roots((0..roots.len() as u32).collect())
     }
 
     fn check(&self) -> Result<(), ParameterError> {
         Sectors::check("GradedYao.sectors", self.sectors)?;
-        self.spacing()?;
-        ParameterError::unless(
-            self.region.contains(self.root),
-            "GradedYao.root",
-            self.root,
-            "a point of the region",
-        )
+        self.leaders.iter().try_for_each(Leader::check)?;
+        let roots = self.all_roots();
+        check_roots(&roots, "GradedYao")?;
+        let spacing = self.spacing()?;
+        check_apart(&roots, "GradedYao.roots", |root| spacing.at(root))?;
+        roots.iter().try_for_each(|&root| {
+            ParameterError::unless(
+                self.region.contains(root),
+                "GradedYao.root",
+                root,
+                "a point of the region",
+            )
+        })
     }
 }

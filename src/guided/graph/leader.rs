@@ -61,17 +61,58 @@ impl Leader {
         ParameterError::unless(fits, "Leader.waywardness", self.waywardness, "in [0, 0.5]")
     }
 
+    /// Where it starts, metres.
+    pub fn base(&self) -> Vec3 {
+        self.base
+    }
+
+    /// The same leader from another base.
+    pub(super) fn at(&self, base: Vec3) -> Self {
+        Self { base, top: base + (self.top - self.base), waywardness: self.waywardness }
+    }
+
     /// The trunk of a seed, with nodes about `spacing` metres apart. O(nodes).
     ///
     /// # Errors
     /// An option out of range, or a spacing that makes for more than a million nodes.
     pub fn skeleton(&self, seed: u64, spacing: f32) -> Result<Skeleton, ParameterError> {
+        self.numbered(seed, 0, spacing)
+    }
+
+    /// The trunk of a seed and a number: those of other numbers stray otherwise.
+    pub(super) fn numbered(&self, seed: u64, number: u64, spacing: f32) -> Result<Skeleton, ParameterError> {
         self.check()?;
-        let (way, length) = (self.top - self.base, self.base.distance(self.top));
-        let parts = (length / spacing).ceil().max(1.0);
+        let parts = (self.base.distance(self.top) / spacing).ceil().max(1.0);
         let fits = spacing > 0.0 && parts <= MAX_NODES;
         ParameterError::unless(fits, "Leader.spacing", spacing, "above 0 m, for at most 1000000 nodes")?;
-        let mut random = stream(seed, 0, Purpose::LEADER, 0);
+        self.through(seed, number, &(0..=parts as u32).map(|i| i as f32 / parts).collect::<Vec<_>>())
+    }
+
+    /// As [`numbered`](Self::numbered), with nodes as far apart as a function of the place says, which is above 0 m.
+    pub(super) fn graded(
+        &self,
+        seed: u64,
+        number: u64,
+        spacing: impl Fn(Vec3) -> f32,
+    ) -> Result<Skeleton, ParameterError> {
+        self.check()?;
+        let (way, length) = (self.top - self.base, self.base.distance(self.top));
+        let (mut at, mut places) = (0.0, vec![0.0]);
+        while at < 1.0 {
+            let step = spacing(self.base + way * at);
+            let fits = step > 0.0 && length / step <= MAX_NODES;
+            ParameterError::unless(fits, "Leader.spacing", step, "above 0 m, for at most 1000000 nodes")?;
+            at += step / length;
+            places.push(at);
+        }
+        places.iter_mut().for_each(|place| *place /= at);
+        self.through(seed, number, &places)
+    }
+
+    /// The trunk through these shares of its length, ascending from 0 to 1.
+    fn through(&self, seed: u64, number: u64, places: &[f32]) -> Result<Skeleton, ParameterError> {
+        let (way, length) = (self.top - self.base, self.base.distance(self.top));
+        let mut random = stream(seed, 0, Purpose::LEADER, number);
         let axes = [perpendicular(way / length), (way / length).cross(perpendicular(way / length))];
         let waves: Vec<Vec3> = (1..=WAVES)
             .map(|wave| {
@@ -85,7 +126,6 @@ impl Leader {
             let swell = (4.0 * t).min(1.0);
             sum * (swell * swell * (3.0 - 2.0 * swell))
         };
-        let places: Vec<f32> = (0..=parts as u32).map(|i| i as f32 / parts).collect();
         // Measured on the finest trunk, so that one of any spacing strays alike.
         let farthest = (0..=256).map(|i| stray(i as f32 / 256.0).length()).fold(0.0, f32::max);
         let scale = if farthest > 0.0 { self.waywardness * length / farthest } else { 0.0 };

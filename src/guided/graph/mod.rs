@@ -11,6 +11,7 @@ mod mesh;
 mod octree;
 mod planted;
 mod poisson;
+mod roots;
 mod scalars;
 mod sectors;
 mod sizing;

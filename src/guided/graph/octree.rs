@@ -109,12 +109,13 @@ impl<'a> Octree<'a> {
         }
     }
 
-    /// `root`, then all other nodes, tile by tile in Morton order.
+    /// The fixed nodes, as near to each other as they like, then all others, tile by tile in Morton order. The others keep
+    /// away from the fixed ones; O(f) a tile for f of these.
     ///
     /// Large tiles come first, so that few nodes of others lie within reach of those that follow.
     pub(super) fn nodes(
         &self,
-        root: Vec3,
+        fixed: &[Vec3],
         seed: u64,
         observer: &dyn Observer,
     ) -> Result<Vec<Vec3>, GraphError> {
@@ -128,7 +129,8 @@ impl<'a> Octree<'a> {
             let nodes = parallel::map(leaves.len(), |i| {
                 let tile = Tile::new(self, self.leaves[leaves[i]]);
                 let (low, high) = tile.surroundings();
-                let mut around = vec![root];
+                let within = |node: &&Vec3| node.cmpge(low).all() && node.cmple(high).all();
+                let mut around: Vec<Vec3> = fixed.iter().filter(within).copied().collect();
                 self.visit(0, IVec3::ZERO, 0, Bounds::new(low, high), &mut |leaf| {
                     around.extend_from_slice(&filled[leaf]);
                 });
@@ -140,8 +142,8 @@ impl<'a> Octree<'a> {
             done += leaves.len();
             report(observer, Work::Nodes, done as f32 / order.len() as f32)?;
         }
-        let mut nodes = Vec::with_capacity(1 + filled.iter().map(Vec::len).sum::<usize>());
-        nodes.push(root);
+        let mut nodes = Vec::with_capacity(fixed.len() + filled.iter().map(Vec::len).sum::<usize>());
+        nodes.extend_from_slice(fixed);
         nodes.extend(filled.into_iter().flatten());
         Ok(nodes)
     }

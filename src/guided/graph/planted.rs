@@ -31,6 +31,14 @@ pub(in crate::guided) struct Carried {
 const PART: f32 = 1.2;
 
 impl Carried {
+    /// A root that no tree stands on yet.
+    pub(in crate::guided) fn add_root(&mut self, position: Vec3) {
+        let root = self.positions.len() as u32;
+        self.places.push(root);
+        self.positions.push(position);
+        self.tree.push(root, 0, UP, 0, 0.0, 0.0);
+    }
+
     /// Divides one more tree, of another method's: its vectors are the directions in which it comes to its nodes.
     pub(in crate::guided) fn add_skeleton(&mut self, tree: &Skeleton, spacing: f32) {
         let mut vectors = vec![UP; tree.len()];

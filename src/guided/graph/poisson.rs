@@ -1,5 +1,6 @@
 //! Poisson-disc nodes with Yao edges: the paper's graph.
 
+use super::roots::{check_apart, check_roots, place_leaders};
 use super::sectors::Sectors;
 use super::tiles::Discs;
 use super::yao::{Adjacency, Reach, reach_of, yao};
@@ -35,8 +36,10 @@ pub struct PoissonYao {
     size: Size,
     planar: bool,
     sectors: usize,
-    roots: Vec<Vec3>,
-    leader: Option<Leader>,
+    /// Those asked for; none for one at the origin, or at the base of the leader or of each tree.
+    roots: Option<Vec<Vec3>>,
+    /// One a root; the last one for all that follow.
+    leaders: Vec<Leader>,
     trees: Vec<Skeleton>,
 }
 
@@ -53,7 +56,7 @@ impl std::fmt::Debug for PoissonYao {
             .field("planar", &self.planar)
             .field("sectors", &self.sectors)
             .field("roots", &self.roots)
-            .field("leader", &self.leader)
+            .field("leaders", &self.leaders)
             .field("trees", &self.trees.len())
             .finish_non_exhaustive()
     }
@@ -77,8 +80,8 @@ impl PoissonYao {
             size: Size::Nodes(150_000),
             planar: false,
             sectors: 8,
-            roots: vec![Vec3::ZERO],
-            leader: None,
+            roots: None,
+            leaders: Vec::new(),
             trees: Vec::new(),
         }
     }
@@ -115,36 +118,67 @@ impl PoissonYao {
         self.with_roots([root])
     }
 
-    /// Where the roots of several trees are, metres; distinct points of the region.
+    /// Where the roots of several trees are, metres: points of the region at least the spacing apart.
     /// [`TreeSynth::synthesize_all`](crate::TreeSynth::synthesize_all) grows a tree from each.
     pub fn with_roots(mut self, roots: impl Into<Vec<Vec3>>) -> Self {
-        self.roots = roots.into();
+        self.roots = Some(roots.into());
         self
     }
 
-    /// A trunk that stands from the beginning, smooth and as straight as it says, another for each seed. It starts at its
-    /// own base, which is the root; stages begin with the limbs.
-    pub fn with_leader(mut self, leader: Leader) -> Self {
-        self.leader = Some(leader);
+    /// A trunk that stands from the beginning, smooth and as straight as it says, another for each seed; stages begin with
+    /// the limbs. Its base is the root. With [`with_root`](Self::with_root) or [`with_roots`](Self::with_roots) each
+    /// root has such a trunk, which strays in a way of its own: the leader is moved there.
+    pub fn with_leader(self, leader: Leader) -> Self {
+        self.with_leaders([leader])
+    }
+
+    /// A leader for each root, in their order; the last one for all roots that follow. See
+    /// [`with_leader`](Self::with_leader). Without `with_roots`, each leader's base is a root.
+    pub fn with_leaders(mut self, leaders: impl Into<Vec<Leader>>) -> Self {
+        self.leaders = leaders.into();
         self
     }
 
     /// A tree that stands from the beginning, whatever made it: one's own drawing, limbs of another method. Its root is
     /// a root of the graph and lies in the region; its nodes are nodes of the graph, longer internodes are divided.
-    /// Radii that it has are the least that its branches have in the end. Call it again for more trees.
+    /// Radii that it has are the least that its branches have in the end. Call it again for more trees; they come after
+    /// the roots of [`with_roots`](Self::with_roots).
     pub fn with_tree(mut self, tree: Skeleton) -> Self {
         self.trees.push(tree);
         self
     }
 
+    /// Each leader at its root.
+    fn placed_leaders(&self) -> Vec<Leader> {
+        place_leaders(&self.leaders, self.roots.as_deref())
+    }
+
+    /// Where trees start, those of [`with_tree`](Self::with_tree) last.
+    fn all_roots(&self) -> Vec<Vec3> {
+        let mut roots = match &self.roots {
+            Some(roots) => roots.clone(),
+            None => self.leaders.iter().map(Leader::base).collect(),
+        };
+        roots.extend(self.trees.iter().map(|tree| tree.positions()[0]));
+        if roots.is_empty() && self.roots.is_none() {
+            roots.push(Vec3::ZERO);
+        }
+        roots
+    }
+
     /// What stands in the graph from the beginning.
     fn planted(&self, spacing: f32, seed: u64) -> Result<Option<Carried>, GraphError> {
-        if self.leader.is_none() && self.trees.is_empty() {
+        if self.leaders.is_empty() && self.trees.is_empty() {
             return Ok(None);
         }
-        let leader = self.leader.as_ref().map(|leader| leader.skeleton(seed, spacing)).transpose()?;
         let mut carried = Carried::default();
-        leader.iter().chain(&self.trees).for_each(|tree| carried.add_skeleton(tree, spacing));
+        for (number, leader) in (0..).zip(&self.placed_leaders()) {
+            carried.add_skeleton(&leader.numbered(seed, number, spacing)?, spacing);
+        }
+        if self.leaders.is_empty() {
+            self.roots.iter().flatten().for_each(|&root| carried.add_root(root));
+        }
+        self.trees.iter().for_each(|tree| carried.add_skeleton(tree, spacing));
         Ok(Some(carried))
     }
 
@@ -243,40 +277,36 @@ impl GraphBuilder for PoissonYao {
         let sectors = Sectors::new(self.sectors, self.planar);
         let reach = reach_of(self.sectors, self.planar) * spacing;
         let planted = self.planted(spacing, seed)?;
-        let own = planted.as_ref().map_or(self.roots.clone(), Carried::roots);
-        if let Some(&root) = own.iter().find(|&&root| !self.region.contains(root)) {
+        let roots = self.all_roots();
+        if let Some(&root) = roots.iter().find(|&&root| !self.region.contains(root)) {
             return Err(GraphError::RootOutside { root });
         }
         if let Some(planted) = planted {
             return around_tree(&*self.region, &planted, spacing, reach, &sectors, seed, observer);
         }
-        let discs = Discs { region: &*self.region, fixed: &self.roots, spacing, planar: self.planar };
+        let discs = Discs { region: &*self.region, fixed: &roots, spacing, planar: self.planar };
         let positions = discs.place(seed, observer)?;
         let Adjacency { starts, targets } = yao(&positions, &sectors, Reach::Same(reach), observer)?;
         let graph = Graph::from_parts(positions, starts, targets, 0);
-        graph.with_roots((0..self.roots.len() as u32).collect())
+        graph.with_roots((0..roots.len() as u32).collect())
     }
 
     fn check(&self) -> Result<(), ParameterError> {
         Sectors::check("PoissonYao.sectors", self.sectors)?;
-        let roots = self.roots.len();
-        ParameterError::unless((1..=65_535).contains(&roots), "PoissonYao.roots", roots, "1 to 65535 roots")?;
-        for (number, &root) in self.roots.iter().enumerate() {
-            ParameterError::unless(root.is_finite(), "PoissonYao.root", root, "finite")?;
+        self.leaders.iter().try_for_each(Leader::check)?;
+        let roots = self.all_roots();
+        check_roots(&roots, "PoissonYao")?;
+        for &root in &roots {
             let fits = !self.planar || root.z == 0.0;
             ParameterError::unless(fits, "PoissonYao.root", root, "in the plane z = 0 of a planar graph")?;
-            let distinct = !self.roots[..number].contains(&root);
-            ParameterError::unless(distinct, "PoissonYao.roots", root, "a point of its own for each root")?;
         }
-        let alone = self.trees.is_empty() || self.leader.is_none();
-        ParameterError::unless(alone, "PoissonYao.trees", self.trees.len(), "none beside a leader")?;
-        self.leader.as_ref().map_or(Ok(()), Leader::check)?;
         let far = |tree: &&Skeleton| {
             tree.positions().iter().any(|position| position.abs().max_element() > Graph::MAX_COORDINATE)
         };
         let far = self.trees.iter().find(far).map_or(0, Skeleton::len);
         ParameterError::unless(far == 0, "PoissonYao.trees", far, "nodes within 1e9 metres of 0")?;
         let spacing = self.spacing()?;
+        check_apart(&roots, "PoissonYao.roots", |_| spacing)?;
         let measure = self.measure();
         let edges = self.nodes_at(spacing, measure) * self.sectors as f32;
         ParameterError::unless(

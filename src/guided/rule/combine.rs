@@ -119,11 +119,11 @@ impl ByTree {
 
 impl GuidingRule for ByTree {
     fn guide(&self, step: &Step<'_>) -> Vec3 {
-        self.rule(step.fork().tree).map_or(step.vector, |rule| rule.guide(step))
+        self.rule(step.tree()).map_or(step.vector, |rule| rule.guide(step))
     }
 
     fn source(&self, source: &Source<'_>) -> Vec3 {
-        self.rule(source.fork().tree).map_or(source.vector, |rule| rule.source(source))
+        self.rule(source.tree()).map_or(source.vector, |rule| rule.source(source))
     }
 
     fn check(&self) -> Result<(), ParameterError> {

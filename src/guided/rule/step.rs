@@ -86,6 +86,11 @@ impl Step<'_> {
         self.context.fork(self.source)
     }
 
+    /// The number, among the graph's [roots](crate::guided::Graph::roots), of the tree that the path starts from. O(1).
+    pub fn tree(&self) -> u32 {
+        self.context.tree(self.source)
+    }
+
     /// The node before `node` on its path; `None` for a root.
     ///
     /// # Panics
@@ -161,6 +166,11 @@ impl Source<'_> {
     /// the n nodes of the tree.
     pub fn fork(&self) -> Fork {
         self.context.fork(self.node)
+    }
+
+    /// The number, among the graph's [roots](crate::guided::Graph::roots), of the tree that it is on. O(1).
+    pub fn tree(&self) -> u32 {
+        self.context.tree(self.node)
     }
 
     /// Where the root of the tree is, metres.
