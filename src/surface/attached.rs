@@ -32,14 +32,14 @@ struct Tube {
 #[allow(dead_code, reason = "what is not read is printed")]
 struct Gap {
     /// Between its first ring and the parent branch, or what bears that, metres.
-    gap: f64,
+    width: f64,
     radius: f64,
     place: Vec3,
 }
 
 impl Gap {
     fn floats(&self) -> bool {
-        self.gap > GAP.min(GAP_RADII * self.radius)
+        self.width > GAP.min(GAP_RADII * self.radius)
     }
 }
 
@@ -182,7 +182,7 @@ fn gaps(skeleton: &Skeleton, options: &Tubes) -> Vec<Gap> {
     let mut bodies: Vec<Option<Body>> = tubes.iter().map(|_| None).collect();
     let mut gaps = Vec::new();
     for tube in tubes.iter().filter(|tube| tube.parent.is_some()) {
-        let mut gap = Gap { gap: 0.0, radius: tube.radius, place: tube.place };
+        let mut gap = Gap { width: 0.0, radius: tube.radius, place: tube.place };
         for point in &mesh.positions[tube.ring.clone()] {
             let (mut least, mut bearer) = (f64::MAX, tube.parent);
             while let Some(number) = bearer.filter(|_| least > NOTHING) {
@@ -190,7 +190,7 @@ fn gaps(skeleton: &Skeleton, options: &Tubes) -> Vec<Gap> {
                 least = least.min(body.outside(point.as_dvec3()));
                 bearer = tubes[number].parent;
             }
-            gap.gap = gap.gap.max(least);
+            gap.width = gap.width.max(least);
         }
         gaps.push(gap);
     }
@@ -210,7 +210,7 @@ mod tests {
         for skeleton in skeletons.iter().filter(|skeleton| skeleton.segments() > 0) {
             let gaps = gaps(skeleton, options);
             let floating = gaps.iter().filter(|gap| gap.floats());
-            if let Some(worst) = floating.clone().max_by(|a, b| a.gap.total_cmp(&b.gap)) {
+            if let Some(worst) = floating.clone().max_by(|a, b| a.width.total_cmp(&b.width)) {
                 panic!("{name}: {} of {} tubes float, the worst {worst:?}", floating.count(), gaps.len());
             }
         }
