@@ -137,16 +137,21 @@ const STANDS: &[Stand] = &[
             alone(seed, habit)
         },
     ),
-    stand("stand-spray", "Laterals in two rows on level axes: the flat spray of a beech.", 16, |seed| {
-        let trunk = Axis::default().with_optimal_weight(0.15);
-        let limbs = Axis::default()
-            .with_angle(degrees(50.0))
-            .with_level_weight(0.25)
-            .with_optimal_weight(0.04)
-            .with_longest(5.0);
-        let rows = Phyllotaxis::Spiral { divergence: std::f32::consts::PI };
-        alone(seed, apical(0.52).with_phyllotaxis(rows).with_axes([trunk, limbs]))
-    }),
+    stand(
+        "stand-spray",
+        "Laterals in two rows on level axes: flat sprays, storey above storey.",
+        12,
+        |seed| {
+            let trunk = Axis::default().with_optimal_weight(0.15);
+            let limbs = Axis::default()
+                .with_angle(degrees(50.0))
+                .with_level_weight(0.25)
+                .with_optimal_weight(0.04)
+                .with_longest(5.0);
+            let rows = Phyllotaxis::Spiral { divergence: std::f32::consts::PI };
+            alone(seed, apical(0.52).with_phyllotaxis(rows).with_axes([trunk, limbs]))
+        },
+    ),
     stand("stand-spreading", "Limbs that leave the trunk at sixty degrees and keep to it.", 17, |seed| {
         let limbs = Axis::default().with_angle(degrees(60.0)).with_optimal_weight(0.03);
         alone(seed, apical(0.5).with_phyllotaxis(GOLDEN).with_axes([Axis::default(), limbs]))
