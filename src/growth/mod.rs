@@ -98,7 +98,8 @@ impl Growth {
     }
 
     /// As [`new`](Self::new), with another limit of nodes, 1 to 2³¹. Nodes that are lost again count too. The year that
-    /// would lead beyond the limit does not begin: [`years`](Self::years).
+    /// would lead beyond the limit does not begin: [`years`](Self::years). Radii are measured by the wood of the last year there
+    /// is, so that they differ with the limit if that cuts years off.
     ///
     /// # Errors
     /// As `new`, and a limit out of range.

@@ -492,7 +492,7 @@ struct Run<'a, 'v> {
     observer: &'a dyn Observer,
     /// Levels, over all refinements.
     done: u32,
-    visit: Option<&'v mut Visit<'v>>,
+    visit: Option<&'a mut Visit<'v>>,
     /// Why a tree could not be shown.
     failed: Option<VariationalError>,
 }

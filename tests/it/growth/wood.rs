@@ -3,7 +3,10 @@
 use std::collections::BTreeMap;
 use treesynth::growth::{Growth, Species, TreeAtAge};
 
-const SPECIES: [(&str, fn() -> Species, f32); 8] = [
+/// A name, the species, and its years.
+type Kind = (&'static str, fn() -> Species, f32);
+
+const SPECIES: [Kind; 8] = [
     ("cottonwood", Species::cottonwood, 27.0),
     ("spruce", Species::spruce, 40.0),
     ("Lombardy poplar", Species::lombardy_poplar, 30.0),
