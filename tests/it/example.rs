@@ -81,14 +81,14 @@ fn trees_after_a_figure() {
 #[test]
 fn trees_after_one_that_organized_itself() {
     // Twigs of a few decimetres at 24 degrees need finer graphs than these.
-    let fine = ["tips", "total length", "wood volume", "surface area", "smoothed angle", "strahler order"];
+    let fine = ["tips", "total length", "surface area"];
     is_of_its_kind(&self_organized(), &fine);
 }
 
 #[test]
 fn trees_after_one_that_grew_over_years() {
     // Twigs of a few centimetres, thousands of them, need finer graphs than these.
-    let fine = ["tips", "total length", "wood volume", "surface area", "strahler order"];
+    let fine = ["tips", "total length", "strahler order"];
     is_of_its_kind(&grown_over_years(), &fine);
 }
 
