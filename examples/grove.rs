@@ -43,8 +43,11 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     });
     let crown = Ellipsoid::new(Vec3::Y * 5.0, Vec3::new(2.6, 2.4, 2.6));
     // What is nearer to a neighbour's trunk costs more, so crowns give way to each other.
-    let limbs = Stage::new(limbs, AroundEachRoot::new(crown, Count::UpTo(30)))
-        .with_weight(Territory::new(Apart::new(Guided, 0.25), feet.clone(), 0.5));
+    let limbs = Stage::new(limbs, AroundEachRoot::new(crown, Count::UpTo(30))).with_weight(Territory::new(
+        Apart::new(Guided, 0.25),
+        feet.clone(),
+        0.5,
+    ));
     let twigs = |metres: f32, spacing: f32| {
         let endpoints = LimbSurface::new(3, spacing).with_hop_length(metres / 3.0).with_least_order(1);
         let rule = ForkAngle::new(50f32.to_radians(), Bend::none()).with_spread(0.2);
