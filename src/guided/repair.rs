@@ -10,7 +10,9 @@ use super::run::Terms;
 use super::search::{Guide, NO_VECTOR, NO_WAY, NONE, Search, SearchError, Way};
 use crate::shape::Bounds;
 use glam::Vec3;
+use std::cmp::Ordering;
 use std::mem::take;
+use std::sync::OnceLock;
 
 /// The nodes from which edges lead to each node.
 #[derive(Debug, Clone)]
@@ -179,7 +181,7 @@ impl Repair<'_, '_> {
             })
             .collect();
         search.install(entries);
-        search.forks = std::sync::OnceLock::new();
+        search.forks = OnceLock::new();
         let mut moved: Vec<u32> = Vec::new();
         for &node in old.iter().filter(|&&node| search.place[node as usize] == NONE) {
             moved.push(node);
@@ -208,13 +210,16 @@ impl Repair<'_, '_> {
             .filter(|&(_, changed)| changed)
             .map(|(entry, _)| entry.node)
             .collect();
-        moved.iter().for_each(|&node| self.open(node));
+        for &node in &moved {
+            self.open(node);
+        }
         self.stack.extend_from_slice(&changed);
         self.open_hanging();
         if asked.beside {
             for &node in &moved {
-                let beside = self.origins.of_node(node);
-                beside.iter().for_each(|&node| self.open(node));
+                for &beside in self.origins.of_node(node) {
+                    self.open(beside);
+                }
             }
         }
         if !boxes.is_empty() {
@@ -318,12 +323,17 @@ impl Repair<'_, '_> {
     /// ones that whose start it settles first.
     fn is_better(&mut self, from: u32, to: u32, through: f32) -> bool {
         let known = self.search.ways[to as usize];
-        if through != known.cost || through == f32::INFINITY || known.parent == from {
-            return through < known.cost;
+        // Neither is NaN, and no cost is -0.
+        match through.total_cmp(&known.cost) {
+            Ordering::Less => return true,
+            Ordering::Equal if through < f32::INFINITY && known.parent != from => {}
+            _ => return false,
         }
         let cost = |node: u32| self.search.ways[node as usize].cost;
-        if cost(from) != cost(known.parent) {
-            return cost(from) < cost(known.parent);
+        match cost(from).total_cmp(&cost(known.parent)) {
+            Ordering::Less => return true,
+            Ordering::Equal => {}
+            Ordering::Greater => return false,
         }
         // Nodes of one cost that come from lower ones are in the queue together, and leave it by number.
         let from_below = |node: u32| {
@@ -367,18 +377,16 @@ impl Repair<'_, '_> {
                 if !self.is_better(node, to, through) {
                     continue;
                 }
-                if self.state[to as usize] != State::Open {
+                let was_final = self.state[to as usize] != State::Open;
+                if was_final {
                     self.open(to);
                     self.open_hanging();
                     // The rest of the list is what hung on it.
                     self.list.retain(|&opened| opened != to);
-                    self.search.ways[to as usize] = Way { cost: through, parent: node };
-                    self.search.queue.push(through, to);
-                    self.offer_to_list()?;
-                } else {
-                    self.search.ways[to as usize] = Way { cost: through, parent: node };
-                    self.search.queue.push(through, to);
                 }
+                self.search.ways[to as usize] = Way { cost: through, parent: node };
+                self.search.queue.push(through, to);
+                self.offer_to_list()?;
                 if !self.is_clear {
                     return Ok(());
                 }

@@ -398,7 +398,7 @@ impl TreeSynth {
             }
             endpoints.push(self.search_stage(search, stage, seed, observer)?);
         }
-        self.finish(search.skeletons()?, search.tree(), &endpoints, search.finer_graph(), observer)
+        self.finish(search.skeletons()?, search.tree(), &endpoints, search.finer_graph().as_ref(), observer)
     }
 
     /// Sheds and thickens trees, each given with the place of its nodes in `tree`.
@@ -407,7 +407,7 @@ impl TreeSynth {
         trees: Vec<(Skeleton, Vec<usize>)>,
         tree: &[u32],
         endpoints: &[Vec<u32>],
-        graph: Option<Arc<Graph>>,
+        graph: Option<&Arc<Graph>>,
         observer: &dyn Observer,
     ) -> Result<Vec<Growth>, SynthesisError> {
         report(observer, Work::Radii, 0.0)?;
@@ -428,7 +428,7 @@ impl TreeSynth {
                 own.sort_unstable();
                 endpoints.iter_mut().for_each(|stage| stage.retain(|node| own.binary_search(node).is_ok()));
             }
-            Ok(Growth { skeleton, nodes, endpoints, graph: graph.clone() })
+            Ok(Growth { skeleton, nodes, endpoints, graph: graph.cloned() })
         });
         let grown = grown.collect::<Result<_, SynthesisError>>()?;
         report(observer, Work::Radii, 1.0)?;

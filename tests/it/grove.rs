@@ -152,12 +152,14 @@ fn twenty_trees_give_way_to_each_other() {
             assert_eq!(tree.positions()[0], foot);
             assert!(tree.tips().count() > 60, "{} tips at {foot}", tree.tips().count());
         }
-        let alone: Vec<Skeleton> = feet()
-            .into_iter()
-            .map(|foot| {
-                stages(TreeSynth::new(graph_of(vec![foot])), &[foot]).synthesize(seed).expect("a tree")
-            })
-            .collect();
+        // Each alone in a graph of its own, as fine and as wide as a tree needs.
+        let lonely = |foot: Vec3| {
+            let around = Cuboid::new(foot + Vec3::new(-3.6, 0.0, -3.6), foot + Vec3::new(3.6, 8.5, 3.6));
+            let leader = Leader::new(Vec3::ZERO, Vec3::Y * 6.0);
+            let graph = PoissonYao::new(around).with_spacing(spacing).with_root(foot).with_leader(leader);
+            stages(TreeSynth::new(graph), &[foot]).synthesize(seed).expect("a tree")
+        };
+        let alone: Vec<Skeleton> = feet().into_iter().map(lonely).collect();
         let measures = [&together, &alone].map(|trees| (overlap(trees), shared_room(trees), gaps(trees)));
         let [(area, room, (gap, least)), (area_alone, room_alone, (gap_alone, _))] = measures;
         println!(

@@ -85,7 +85,9 @@ impl HopSurface {
         let graph = view.graph();
         let mut distances = vec![Distance { whole: f32::INFINITY, last: 0.0 }; graph.nodes()];
         let mut queue = Queue::default();
-        sources.iter().for_each(|&source| distances[source as usize].whole = 0.0);
+        for &source in sources {
+            distances[source as usize].whole = 0.0;
+        }
         let relax = |here: f32, node: u32, distances: &mut [Distance], queue: &mut Queue| {
             for &to in graph.neighbours(node) {
                 if distances[to as usize].whole <= here {
@@ -102,7 +104,9 @@ impl HopSurface {
                 }
             }
         };
-        sources.iter().for_each(|&source| relax(0.0, source, &mut distances, &mut queue));
+        for &source in sources {
+            relax(0.0, source, &mut distances, &mut queue);
+        }
         while let Some((here, node)) = queue.pop(|here, node| here <= distances[node as usize].whole) {
             if here <= distances[node as usize].whole {
                 relax(here, node, &mut distances, &mut queue);

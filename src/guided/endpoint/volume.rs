@@ -147,7 +147,7 @@ const OCTAVES: i32 = 128;
 ///
 /// Numbers belong to nodes and radii are the same for all trees, so with other candidates here the choice elsewhere
 /// mostly stays, but for the last few darts; a radius made to measure would change with every candidate. At the next
-/// radius of the row most darts stick where they stuck before. (Darts with smaller and smaller radii, after McCool and
+/// radius of the row most darts stick where they stuck before. (Darts with smaller and smaller radii, after `McCool` and
 /// Fiume 1992, are not stable: the first few hang on each other all over the shape.)
 pub(super) fn choose_spread(candidates: Vec<u32>, count: usize, view: &StageView<'_>) -> Vec<u32> {
     let positions = view.graph().positions();
@@ -159,7 +159,7 @@ pub(super) fn choose_spread(candidates: Vec<u32>, count: usize, view: &StageView
     // From no distance, at which all are kept, to an infinite one.
     let (mut feasible, mut too_far) = (-OCTAVES * RADII, OCTAVES * RADII);
     while too_far - feasible > 1 {
-        let middle = (feasible + too_far) / 2;
+        let middle = i32::midpoint(feasible, too_far);
         let radius = powf(2.0, middle as f32 / RADII as f32);
         // Nothing is farther apart than that, and one is kept at least.
         let kept =

@@ -105,7 +105,9 @@ impl Leader {
             at += step / length;
             places.push(at);
         }
-        places.iter_mut().for_each(|place| *place /= at);
+        for place in &mut places {
+            *place /= at;
+        }
         self.through(seed, number, &places)
     }
 
