@@ -30,7 +30,7 @@ fn poles_stand_where_z_is_up() {
             export::write_ply_with(&parts, PlyFormat::Binary, axes, &mut files[1]).unwrap();
             export::write_ply_with(&parts, PlyFormat::Ascii, axes, &mut files[2]).unwrap();
             for (file, format) in files.iter().zip([MeshFormat::Stl, MeshFormat::Ply, MeshFormat::Ply]) {
-                let head = String::from_utf8_lossy(&file[..80]);
+                let head = String::from_utf8_lossy(&file[..file.len().min(150)]);
                 assert!(head.contains(&format!("{name}, {sign}")), "{head}");
                 let plain = Import::default().read(format, Cursor::new(file)).unwrap().bounds();
                 let height = if up == UpAxis::Z { plain.size().z } else { plain.size().y };
