@@ -14,7 +14,7 @@ fn a_second_tree_allocates_a_handful() {
         let mut grow = |seed| measure(|| drop(synth.grow(&mut search, seed, &Silent).unwrap())).count_total;
         let (first, again, other) = (grow(1), grow(1), grow(2));
         println!("{nodes} nodes: {first} allocations, {again} for the same tree again, {other} for another");
-        assert!(again < 300 && again < first, "{again} allocations for the same tree, {first} for the first");
-        assert!(other < 300, "{other} allocations for another tree");
+        assert!(again < 400 && again < first, "{again} allocations for the same tree, {first} for the first");
+        assert!(other < 400, "{other} allocations for another tree");
     }
 }
