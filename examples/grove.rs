@@ -8,7 +8,7 @@ use std::path::PathBuf;
 use treesynth::glam::Vec3;
 use treesynth::guided::{
     Apart, AroundEachRoot, Bend, ByTree, Count, ForkAngle, Guided, Leader, LimbSurface, PoissonYao, Stage,
-    TreeSynth,
+    Territory, TreeSynth,
 };
 use treesynth::preview::{Camera, Picture, Preview};
 use treesynth::radius::PipeModel;
