@@ -8,12 +8,12 @@ use std::path::PathBuf;
 use treesynth::glam::Vec3;
 use treesynth::guided::{
     Apart, AroundEachRoot, Bend, ByTree, Count, ForkAngle, Guided, Leader, LimbSurface, PoissonYao, Stage,
-    TreeSynth,
+    Territory, TreeSynth,
 };
 use treesynth::preview::{Camera, Picture, Preview};
 use treesynth::radius::PipeModel;
 use treesynth::shape::{Cuboid, Ellipsoid};
-use treesynth::surface::{Material, Mesh, MeshError, Part, Tubes};
+use treesynth::surface::{Material, Mesh, Part, Tubes};
 
 const COLUMNS: usize = 5;
 const ROWS: usize = 4;
@@ -62,8 +62,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     for (number, tree) in trees.iter().enumerate() {
         println!("tree {number}: {} internodes, {} tips", tree.segments(), tree.tips().count());
     }
-    let meshes: Vec<Mesh> =
-        trees.iter().map(|tree| Tubes::default().mesh(tree)).collect::<Result<_, MeshError>>()?;
+    let meshes: Vec<Mesh> = trees.iter().map(|tree| Tubes::default().mesh(tree)).collect::<Result<_, _>>()?;
     // No two neighbours in one colour.
     let color = |number: usize| COLORS[(number % COLUMNS + 2 * (number / COLUMNS)) % COLORS.len()];
     let parts: Vec<Part<'_>> = meshes
