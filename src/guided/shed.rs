@@ -79,7 +79,7 @@ impl Shedding {
     }
 
     /// Which nodes stay, if something falls.
-    fn round(&self, tree: &Skeleton) -> Option<Vec<bool>> {
+    fn round(self, tree: &Skeleton) -> Option<Vec<bool>> {
         let children = tree.children();
         let mut tips = vec![0u32; tree.len()];
         for (node, parent) in tree.edges().rev() {

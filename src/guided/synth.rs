@@ -426,7 +426,9 @@ impl TreeSynth {
             if several || self.shedding.is_some() {
                 let mut own = nodes.clone();
                 own.sort_unstable();
-                endpoints.iter_mut().for_each(|stage| stage.retain(|node| own.binary_search(node).is_ok()));
+                for stage in &mut endpoints {
+                    stage.retain(|node| own.binary_search(node).is_ok());
+                }
             }
             Ok(Growth { skeleton, nodes, endpoints, graph: graph.cloned() })
         });

@@ -31,7 +31,7 @@ fn random_lines(seed: u64) -> Vec<Vec<Vec3>> {
     };
     let mut lines = vec![line(Vec3::ZERO, Vec3::Y, 0.5)];
     let top = lines[0].iter().fold(0.5, |top: f32, point| top.max(point.y));
-    for number in 0..1 + seed as usize % 7 {
+    for number in 0..=(seed as usize % 7) {
         let turn = number as f32 * 2.4;
         let side = Vec3::new(turn.cos(), 0.3, turn.sin());
         let start = Vec3::Y * top * (0.3 + 0.1 * number as f32) + side * (0.3 * (seed % 4) as f32);
@@ -153,7 +153,7 @@ fn strokes_join_where_they_start() {
     branches.sort_by(|a, b| {
         tree.positions()[a.nodes()[0] as usize].y.total_cmp(&tree.positions()[b.nodes()[0] as usize].y)
     });
-    assert_eq!(branches.iter().map(|branch| branch.order()).collect::<Vec<_>>(), [0, 1, 1]);
+    assert_eq!(branches.iter().map(treesynth::skeleton::Branch::order).collect::<Vec<_>>(), [0, 1, 1]);
     let place = |branch: usize, i: usize| tree.positions()[branches[branch].nodes()[i] as usize];
     assert_eq!(place(1, 0), Vec3::new(0.0, 1.37, 0.0));
     let trunk = branches[0].nodes();

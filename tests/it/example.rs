@@ -52,7 +52,7 @@ fn is_of_its_kind(tree: &Skeleton, but: &[&str]) {
     for (i, (name, own)) in measures(tree).into_iter().enumerate() {
         let mut ratios: Vec<f64> = all.iter().map(|tree| tree[i].1 / own).collect();
         ratios.sort_by(f64::total_cmp);
-        let median = (ratios[4] + ratios[5]) / 2.0;
+        let median = f64::midpoint(ratios[4], ratios[5]);
         println!("{name}: {own:.3}, median {median:.3} of it, {:.3} to {:.3}", ratios[0], ratios[9]);
         if (median - 1.0).abs() > 0.15 && !but.contains(&name) {
             off.push(format!("{name}: {median:.3}"));

@@ -160,8 +160,8 @@ fn guided_is_a_line() {
             .map(|(name, _)| name.clone())
             .collect();
         assert!(!free.is_empty(), "these import from each other in a circle: {imports:?}");
-        free.iter().for_each(|name| {
+        for name in &free {
             imports.remove(name);
-        });
+        }
     }
 }

@@ -55,15 +55,8 @@ impl Edges {
     ) -> Result<Graph, GraphError> {
         check_distinct(&positions)?;
         let in_sectors = |sectors: Sectors| {
-            let local;
-            let reach = match reach {
-                Some(reach) => Reach::Same(reach),
-                None => {
-                    local = reaches(&positions);
-                    Reach::Each(&local)
-                }
-            };
-            yao(&positions, &sectors, reach, observer)
+            let local = if reach.is_some() { Vec::new() } else { reaches(&positions) };
+            yao(&positions, &sectors, reach.map_or(Reach::Each(&local), Reach::Same), observer)
         };
         let Adjacency { starts, targets } = match self {
             Self::Yao(count) => in_sectors(Sectors::new(count, false))?,

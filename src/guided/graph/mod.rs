@@ -275,8 +275,10 @@ impl Graph {
         }
         let mut sorted = roots.clone();
         sorted.sort_unstable();
-        if let Some(pair) = sorted.windows(2).find(|pair| pair[0] == pair[1]) {
-            return Err(GraphError::Other(format!("node {} is named twice among the roots", pair[0])));
+        if let Some(&[root, _]) =
+            sorted.windows(2).filter_map(|pair| pair.first_chunk()).find(|[a, b]| a == b)
+        {
+            return Err(GraphError::Other(format!("node {root} is named twice among the roots")));
         }
         if roots.is_empty() {
             return Err(GraphError::Other("a graph has at least one root, this has none".to_owned()));
@@ -373,7 +375,9 @@ impl Graph {
         self.hops_from_root.get_or_init(|| {
             let mut hops = vec![u32::MAX; self.nodes()];
             let mut ring = self.roots.clone();
-            ring.iter().for_each(|&root| hops[root as usize] = 0);
+            for &root in &ring {
+                hops[root as usize] = 0;
+            }
             let mut next = Vec::new();
             let mut count = 0;
             while !ring.is_empty() {

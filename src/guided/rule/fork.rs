@@ -56,18 +56,15 @@ impl<R: GuidingRule> GuidingRule for ForkAngle<R> {
             return self.rule.guide(step);
         }
         let fork = step.fork();
-        let side = match self.divergence {
-            Some((angle, internode)) => {
-                let number = (fork.from_base / internode).floor();
-                // In turns, so that thousands of internodes lose no precision.
-                let turns = number * (angle / TAU);
-                Rotation::new((turns - turns.floor()) * TAU).about(fork.direction, fork.normal)
-            }
-            None => {
-                let across = step.edge - fork.direction * step.edge.dot(fork.direction);
-                // An edge along the branch has no side of its own.
-                if across.length_squared() < 1e-8 { fork.normal } else { across.normalize() }
-            }
+        let side = if let Some((angle, internode)) = self.divergence {
+            let number = (fork.from_base / internode).floor();
+            // In turns, so that thousands of internodes lose no precision.
+            let turns = number * (angle / TAU);
+            Rotation::new((turns - turns.floor()) * TAU).about(fork.direction, fork.normal)
+        } else {
+            let across = step.edge - fork.direction * step.edge.dot(fork.direction);
+            // An edge along the branch has no side of its own.
+            if across.length_squared() < 1e-8 { fork.normal } else { across.normalize() }
         };
         let draw = 2.0 * step.random(Purpose::SOURCE_ANGLE, step.source()) - 1.0;
         let (sin, cos) = sin_cos((self.angle + self.spread * draw).clamp(0.0, PI));
