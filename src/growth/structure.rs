@@ -515,8 +515,9 @@ mod tests {
             assert!((least * scale - 1e-5..=scale + 1e-5).contains(&axis.scale), "{} of {scale}", axis.scale);
             let [soonest, latest] =
                 [least, 1.0].map(|part| (part * species.lifespan.at(axis.scale)).max(1.0));
-            let lived = axis.lost - f32::from(axis.first_year - 1);
-            assert!(lived <= latest + 1e-4 && (lived >= soonest - 1e-4 || axis.lost >= parent.lost));
+            // Branches die at the end of a year.
+            let lived = axis.died - f32::from(axis.first_year - 1);
+            assert!(lived < latest + 1.0 && (lived >= soonest - 1e-4 || axis.died >= parent.died));
             let mut before = 0.0f32;
             for (year, shoot) in (axis.first_year..).zip(structure.shoots_until(axis, 14)) {
                 let whole = bearing[usize::from(year - parent.first_year)].length;

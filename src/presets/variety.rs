@@ -56,7 +56,7 @@ pub(super) const PRESETS: &[Preset] = &[
 /// with θ = 32° its limbs rise a metre above their endpoints on their way out. So the volume falls a little with the aspect.
 fn crown(nodes: usize, aspect: f32, theta: f32) -> TreeSynth {
     // An exponent of 2/3 would keep the volume, 1 the width.
-    let height = 6.4 * crate::math::powf(aspect / 0.9, 0.98);
+    let height = 6.4 * crate::math::powf(aspect / 0.9, 0.92);
     let width = height / aspect;
     let base = 2.0;
     let dome = HalfEllipsoid::with_aspect(Vec3::Y * base, height, aspect);

@@ -58,7 +58,7 @@ fn a_mesh_is_a_region_a_crown_and_a_guidance_shape() -> Result<(), Box<dyn std::
 
     let inside = GuidanceShape::in_volume(&mesh, 300, 1)?;
     assert!(inside.positions().iter().all(|&position| in_diamond(position, 1e-4)));
-    let surface = GuidanceShape::on_surface(&mesh, 300, 1)?;
+    let surface = GuidanceShape::on_jittered_surface(&mesh, 300, 0.0, 1)?;
     assert!(surface.positions().iter().all(|&p| in_diamond(p, 1e-4) && !in_diamond(p, -1e-3)));
     // A node for each square of the area, of equal numbers on each of the eight faces.
     let exact = 2.0 * (mesh.surface_area().expect("known") / 300.0 / std::f32::consts::TAU).sqrt();
@@ -116,7 +116,7 @@ fn a_sketched_crown_has_its_silhouettes() -> Result<(), Box<dyn std::error::Erro
         Outline::smooth([(0.0, 1.0), (3.0, 2.5), (1.0, 4.0), (1.5, 6.0), (-2.0, 5.0)].map(Vec2::from));
     let side = Outline::smooth([(0.0, 1.0), (1.0, 2.0), (0.5, 6.0), (-1.0, 4.0)].map(Vec2::from));
     let crown = Sketch::new(front.clone()).with_side(side.clone());
-    let shape = GuidanceShape::on_surface(&crown, 400, 1)?;
+    let shape = GuidanceShape::on_jittered_surface(&crown, 400, 0.0, 1)?;
     let reach = |outline: &Outline, point: Vec2| {
         let spans = outline.spans(point.y);
         spans.iter().map(|&(from, to)| (point.x - from).min(to - point.x)).fold(f32::MIN, f32::max)

@@ -182,7 +182,10 @@ fn hold(growth: &Growth, shape: &GuidanceShape) -> Result<(), TestCaseError> {
         "the tips are the shape nodes"
     );
     for pair in growth.trace.windows(2) {
-        if !matches!(pair[1].kind, StepKind::Initialization { .. } | StepKind::Refinement { .. }) {
+        // Twigs in place of bundles may cost a little.
+        if let StepKind::Twigs = pair[1].kind {
+            prop_assert!(pair[1].total <= pair[0].total * 1.1, "{:?}", pair);
+        } else if !matches!(pair[1].kind, StepKind::Initialization { .. } | StepKind::Refinement { .. }) {
             prop_assert!(pair[1].total <= pair[0].total, "{:?}", pair);
         }
         if let StepKind::Partition { .. } = pair[1].kind {
