@@ -231,7 +231,7 @@ fn tubes_are_the_same_as_ever() {
     let tree = tree.relaxed(0.5, 3).expect("sound options");
     let kinds = [
         (Tubes::default().with_closed_base(true).with_wind(true), 0x0c03_922b_4d03_01d2),
-        (Tubes::default().with_error(0.002), 0xf294_d461_a1ab_3eab),
+        (Tubes::default().with_error(0.002), 0x4a6b_9263_0059_adb2),
     ];
     for (tubes, pinned) in kinds {
         let hashes = at_thread_counts(|| mesh_hash(&tubes.mesh(&tree).expect("a surface")));
