@@ -70,6 +70,7 @@ impl Room {
     }
 
     /// What to write of it.
+    #[cfg(feature = "serde")]
     pub(super) fn marks(&self) -> Marks {
         let all = |shapes: &[Arc<dyn Shape>]| shapes.iter().map(mark).collect();
         Marks {

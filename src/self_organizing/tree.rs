@@ -242,6 +242,7 @@ impl Tree {
     }
 
     /// Works out the order of each node from its children. O(n).
+    #[cfg(feature = "serde")]
     pub(super) fn number_orders(&mut self) {
         for node in 1..self.nodes.len() {
             let parent = self.nodes[self.nodes[node].parent as usize].order;
