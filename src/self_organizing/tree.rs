@@ -57,7 +57,7 @@ pub(super) struct Node {
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct NodeId(pub u32);
 
-/// Where a bud is and in which direction it points, as [`Environment::prepare`] gets it.
+/// Where a bud is and in which direction it points, as [`Environment::prepare`](super::Environment::prepare) gets it.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub struct Site {
