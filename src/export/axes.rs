@@ -19,7 +19,8 @@ use glam::Vec3;
 /// export::write_stl_with(&[Part::new(&triangle)], printer, &mut stl)?;
 /// assert!(stl.starts_with(b"treesynth, binary STL, millimetres, +Z up "));
 /// // The third corner, 1 m above the first.
-/// assert_eq!(stl[84 + 44..84 + 48], 1000.0_f32.to_le_bytes());
+/// let height = f32::from_le_bytes([stl[128], stl[129], stl[130], stl[131]]);
+/// assert!((height - 1000.0).abs() < 1e-3);
 /// # Ok::<(), export::ExportError>(())
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
