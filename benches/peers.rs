@@ -86,7 +86,9 @@ fn main() {
     });
 
     // Edges.
+    // With the reach of the graph's own edges; without one, the local reach is asked of a k-d tree first.
     let cloud = treesynth::guided::PointCloud::new(graph.positions().to_vec(), Edges::Yao(8));
+    let cloud = cloud.with_reach(3.0 * spacing);
     let points: Vec<[f32; 3]> = graph.positions().iter().map(Vec3::to_array).collect();
     let kd_tree = ImmutableKdTree::<f32, 3>::new_from_slice(&points);
     group.bench_function("edges/treesynth", |bencher| {
