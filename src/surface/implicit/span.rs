@@ -83,7 +83,8 @@ mod tests {
             let passage = Passage { origin, way: way.normalize(), length };
             let span = passage.near(from, axis, inverse, reach);
             for i in 0..=200 {
-                let t = length * i as f32 / 200.0;
+                // The last place would lie an ulp beyond the end.
+                let t = (length * i as f32 / 200.0).min(length);
                 let offset = origin + passage.way * t - from;
                 let s = (offset.dot(axis) * inverse).clamp(0.0, 1.0);
                 let is_near = (offset - axis * s).length() <= reach;
