@@ -41,7 +41,8 @@
 //! | `serde` | skeletons, metrics, forests and species with serde |
 //! | `json` | skeletons as JSON text, `export::json`; implies `serde` |
 //! | `mint` | `From` and `Into` between [`glam`]'s vectors and `mint`'s, for users on another glam version |
-//! | `preview` | shaded PNG pictures without a GPU, `preview` |
+//! | `texture` | images that surfaces wear, `texture` |
+//! | `preview` | shaded PNG pictures without a GPU, `preview`; implies `texture` |
 //! | `import` | meshes from OBJ, STL, PLY and glTF files, outlines from SVG drawings and path data, as shapes |
 //! | `testing` | proptest strategies and contract checks for strategies of your own, `testing` |
 #![cfg_attr(docsrs, feature(doc_cfg))]
@@ -68,6 +69,8 @@ pub mod skeleton;
 pub mod surface;
 #[cfg(feature = "testing")]
 pub mod testing;
+#[cfg(feature = "texture")]
+pub mod texture;
 pub mod variational;
 
 pub use field::VectorField;

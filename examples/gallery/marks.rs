@@ -1,7 +1,7 @@
 //! What figures 10 and 11 draw beside the tree: the volume of its crown, and the surface that endpoints are chosen from.
 
 use super::{Failure, Options};
-use treesynth::glam::{Quat, Vec3};
+use treesynth::glam::Vec3;
 use treesynth::guided::{Graph, Search, TreeSynth};
 use treesynth::math::{cbrt, sin_cos};
 use treesynth::presets::Preset;
@@ -38,7 +38,7 @@ pub(crate) fn wires(volume: Ellipsoid, thickness: f32) -> Result<Mesh, Failure> 
 
 /// An octahedron on each place.
 fn dots(places: &[Vec3], size: f32) -> Vec<Instance> {
-    let stand = |&position: &Vec3| Instance { position, rotation: Quat::IDENTITY, scale: size, node: 0 };
+    let stand = |&position: &Vec3| Instance { position, scale: size, ..Instance::IDENTITY };
     places.iter().map(stand).collect()
 }
 

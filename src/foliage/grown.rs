@@ -29,6 +29,7 @@ impl Leaves {
                 rotation: rotation(grown.midrib, grown.normal),
                 scale: grown.length,
                 node: grown.node,
+                tint: [1.0; 3],
             };
             let known =
                 tones.iter().position(|(color, _)| color.map(f32::to_bits) == grown.color.map(f32::to_bits));
@@ -49,6 +50,7 @@ impl Leaves {
             rotation: rotation(grown.direction, math::perpendicular(grown.direction)),
             scale: grown.length,
             node: grown.node,
+            tint: [1.0; 3],
         });
         Self { leaf: bud.clone(), instances: instances.collect() }
     }

@@ -180,6 +180,7 @@ impl<'a> Twig<'a> {
                         rotation: self.rotation(seed, number, along, outward),
                         scale: self.scale(seed, number, distance),
                         node: internode.node,
+                        tint: [1.0; 3],
                     });
                 }
                 whorl += 1;

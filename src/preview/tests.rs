@@ -133,7 +133,7 @@ fn boards() -> Vec<Instance> {
         position: Vec3::new(math::cos(i * 2.0), i * 0.7, math::sin(i * 2.0)),
         rotation: Quat::from_xyzw(0.0, math::sin(i), 0.0, math::cos(i)),
         scale: 0.4 + 0.1 * i,
-        node: 0,
+        ..Instance::IDENTITY
     };
     (0..3).map(|i| place(i as f32)).collect()
 }

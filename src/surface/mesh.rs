@@ -150,8 +150,8 @@ pub enum MeshError {
         /// Its texture coordinate.
         uv: Vec2,
     },
-    /// A copy of the mesh that has no place: NaN, an infinity, a scale that is not positive, or a rotation that is
-    /// not of length 1 within 0.001.
+    /// A copy of the mesh that has no place: NaN, an infinity, a scale that is not positive, a rotation that is
+    /// not of length 1 within 0.001, or a tint that is not within 0 to 1.
     #[error("instance {index} cannot be placed: {instance:?}")]
     Instance {
         /// The number of the instance.

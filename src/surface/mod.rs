@@ -11,7 +11,7 @@
 //!
 //! [`Skeleton::relaxed`](crate::Skeleton::relaxed) takes the kinks out of a skeleton first. Meshes are plain arrays, [`Mesh`], with
 //! [`Wind`] weights where they are wanted. A [`Part`] is a mesh with its [`Material`], once or at many places
-//! ([`Instance`]): what is written and drawn.
+//! ([`Instance`]), with [`Textures`](crate::texture::Textures) if it has any: what is written and drawn.
 
 mod attach;
 #[cfg(test)]

@@ -2,6 +2,8 @@
 
 use super::{Material, Mesh, MeshError};
 use crate::ParameterError;
+#[cfg(feature = "texture")]
+use crate::texture::Textures;
 use glam::{Mat3, Quat, Vec3};
 
 /// Where one copy of a mesh stands: scaled, then turned, then moved.
@@ -15,11 +17,14 @@ pub struct Instance {
     pub scale: f32,
     /// The node of the skeleton whose internode bears it.
     pub node: u32,
+    /// By what the colour of this copy is multiplied: linear red, green and blue, each 0 to 1.
+    pub tint: [f32; 3],
 }
 
 impl Instance {
     /// The mesh as it is, at the root.
-    pub const IDENTITY: Self = Self { position: Vec3::ZERO, rotation: Quat::IDENTITY, scale: 1.0, node: 0 };
+    pub const IDENTITY: Self =
+        Self { position: Vec3::ZERO, rotation: Quat::IDENTITY, scale: 1.0, node: 0, tint: [1.0; 3] };
 
     /// Rotation and scale: `matrix * point + self.position` is the copy of a point of the mesh.
     pub fn matrix(&self) -> Mat3 {
@@ -37,7 +42,12 @@ impl Instance {
         let [x, y, z, w] = self.rotation.to_array();
         let length = x * x + y * y + z * z + w * w;
         let farthest = self.position.abs().max_element() + 2.0 * self.scale * reach;
-        (length - 1.0).abs() <= 2e-3 && self.scale > 0.0 && self.scale.is_finite() && farthest.is_finite()
+        let tinted = self.tint.iter().all(|channel| (0.0..=1.0).contains(channel));
+        tinted
+            && (length - 1.0).abs() <= 2e-3
+            && self.scale > 0.0
+            && self.scale.is_finite()
+            && farthest.is_finite()
     }
 }
 
@@ -59,12 +69,21 @@ pub struct Part<'a> {
     mesh: &'a Mesh,
     material: Material,
     instances: Option<&'a [Instance]>,
+    #[cfg(feature = "texture")]
+    textures: Option<&'a Textures>,
 }
 
 impl<'a> Part<'a> {
     /// A mesh once, with the default bark, named `bark`.
     pub fn new(mesh: &'a Mesh) -> Self {
-        Self { name: "bark", mesh, material: Material::default(), instances: None }
+        Self {
+            name: "bark",
+            mesh,
+            material: Material::default(),
+            instances: None,
+            #[cfg(feature = "texture")]
+            textures: None,
+        }
     }
 
     /// What files call it; default `bark`.
@@ -76,6 +95,13 @@ impl<'a> Part<'a> {
     /// How it looks; default [`Material::bark`].
     pub fn with_material(mut self, material: Material) -> Self {
         self.material = material;
+        self
+    }
+
+    /// The images that the mesh wears by its texture coordinates; default none.
+    #[cfg(feature = "texture")]
+    pub fn with_textures(mut self, textures: &'a Textures) -> Self {
+        self.textures = Some(textures);
         self
     }
 
@@ -98,6 +124,12 @@ impl<'a> Part<'a> {
     /// How it looks.
     pub fn material(&self) -> Material {
         self.material
+    }
+
+    /// The images that it wears, if any.
+    #[cfg(feature = "texture")]
+    pub fn textures(&self) -> Option<&'a Textures> {
+        self.textures
     }
 
     /// Its instances, if it has been given any.
@@ -140,7 +172,7 @@ mod tests {
     #[test]
     fn instances_scale_turn_and_move() {
         let quarter = Quat::from_rotation_z(FRAC_PI_2);
-        let instance = Instance { position: Vec3::Z, rotation: quarter, scale: 2.0, node: 0 };
+        let instance = Instance { position: Vec3::Z, rotation: quarter, scale: 2.0, ..Instance::IDENTITY };
         let at = |point: Vec3| instance.matrix() * point + instance.position;
         assert!(at(Vec3::X).abs_diff_eq(Vec3::new(0.0, 2.0, 1.0), 1e-6));
         assert!(at(Vec3::Y).abs_diff_eq(Vec3::new(-2.0, 0.0, 1.0), 1e-6));
@@ -163,6 +195,7 @@ mod tests {
             Instance { rotation: Quat::from_xyzw(f32::NAN, 0.0, 0.0, 1.0), ..fine },
             Instance { scale: 0.0, ..fine },
             Instance { scale: f32::INFINITY, ..fine },
+            Instance { tint: [1.0, f32::NAN, 1.0], ..fine },
         ] {
             let error = check(wrong).expect_err("not sound").to_string();
             assert!(error.contains("instance 1"), "{error}");

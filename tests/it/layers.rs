@@ -10,7 +10,7 @@ const LAYERS: &[&[&str]] = &[
     &["nearest"],
     &["shape", "field"],
     &["skeleton"],
-    &["radius", "metrics"],
+    &["radius", "metrics", "texture"],
     &["guided", "growth", "self_organizing", "variational"],
     &["surface"],
     &["foliage"],

@@ -35,6 +35,7 @@ fn kites() -> (Mesh, [Instance; 2]) {
         rotation: Quat::from_xyzw(0.0, half, 0.0, half),
         scale: 2.0,
         node: 1,
+        ..Instance::IDENTITY
     };
     (mesh.with_uvs(uvs), [Instance::IDENTITY, turned])
 }

@@ -1,0 +1,189 @@
+//! Pixels with one to four channels.
+
+use super::TextureError;
+use crate::ParameterError;
+use std::io::{self, BufRead, Seek, Write};
+
+/// An image with 8 bits a channel: 1 channel (grey), 3 (red, green, blue) or 4 (red, green, blue, alpha). Rows from the top,
+/// pixels from the left; the texture coordinate (0, 0) is the upper left corner, as in glTF.
+///
+/// What the numbers mean is up to the map: colours are sRGB, everything else is linear.
+///
+/// Memory: one byte a channel and pixel.
+///
+/// ```
+/// use treesynth::texture::Image;
+///
+/// let image = Image::new(2, 1, 3, vec![255, 0, 0, 0, 0, 255])?;
+/// assert_eq!(image.pixel(1, 0), [0, 0, 255]);
+/// assert_eq!(Image::read_png(std::io::Cursor::new(image.png()))?, image);
+/// # Ok::<(), treesynth::texture::TextureError>(())
+/// ```
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Image {
+    width: u32,
+    height: u32,
+    channels: u8,
+    bytes: Vec<u8>,
+}
+
+impl Image {
+    /// The longest side that an image may have, pixels.
+    pub const LONGEST_SIDE: u32 = 8192;
+
+    /// An image of these bytes, row by row from the top, the channels of a pixel side by side.
+    ///
+    /// # Errors
+    /// Sides not within 1 to 8192, channels other than 1, 3 and 4, or another number of bytes than
+    /// `width * height * channels`.
+    pub fn new(width: u32, height: u32, channels: u8, bytes: Vec<u8>) -> Result<Self, TextureError> {
+        for (name, side) in [("Image.width", width), ("Image.height", height)] {
+            let holds = (1..=Self::LONGEST_SIDE).contains(&side);
+            ParameterError::unless(holds, name, side, "1 to 8192 pixels")?;
+        }
+        ParameterError::unless([1, 3, 4].contains(&channels), "Image.channels", channels, "1, 3 or 4")?;
+        let expected = width as usize * height as usize * usize::from(channels);
+        let range = format!("{expected} bytes: width * height * channels");
+        ParameterError::unless(bytes.len() == expected, "Image.bytes", bytes.len(), &range)?;
+        Ok(Self { width, height, channels, bytes })
+    }
+
+    /// Width in pixels.
+    pub fn width(&self) -> u32 {
+        self.width
+    }
+
+    /// Height in pixels.
+    pub fn height(&self) -> u32 {
+        self.height
+    }
+
+    /// 1 (grey), 3 (red, green, blue) or 4 (and alpha).
+    pub fn channels(&self) -> u8 {
+        self.channels
+    }
+
+    /// Whether there is an alpha channel.
+    pub fn has_alpha(&self) -> bool {
+        self.channels == 4
+    }
+
+    /// All bytes, row by row from the top.
+    pub fn bytes(&self) -> &[u8] {
+        &self.bytes
+    }
+
+    /// The channels of the pixel in column `x` and row `y`; both wrap around, since textures repeat.
+    pub fn pixel(&self, x: u32, y: u32) -> &[u8] {
+        let channels = usize::from(self.channels);
+        let index = (y % self.height) as usize * self.width as usize + (x % self.width) as usize;
+        &self.bytes[index * channels..(index + 1) * channels]
+    }
+
+    /// The image as the bytes of a PNG file. The same bytes on every platform, for one version of the `png` crate.
+    pub fn png(&self) -> Vec<u8> {
+        let mut bytes = Vec::new();
+        // Writing to memory cannot fail, and `new` has checked the sizes.
+        let _ = self.write_png(&mut bytes);
+        bytes
+    }
+
+    /// Writes the image as a PNG file.
+    ///
+    /// # Errors
+    /// Whatever the writer returns.
+    pub fn write_png(&self, writer: impl Write) -> Result<(), TextureError> {
+        let mut encoder = png::Encoder::new(writer, self.width, self.height);
+        encoder.set_color(match self.channels {
+            1 => png::ColorType::Grayscale,
+            3 => png::ColorType::Rgb,
+            _ => png::ColorType::Rgba,
+        });
+        encoder.set_depth(png::BitDepth::Eight);
+        let mut writer = encoder.write_header().map_err(written)?;
+        writer.write_image_data(&self.bytes).map_err(written)?;
+        writer.finish().map_err(written)
+    }
+
+    /// Reads a PNG file of any kind; palettes, 16 bits a channel and grey with alpha are converted.
+    ///
+    /// # Errors
+    /// What is no PNG, is broken, or is larger than 8192 pixels a side; whatever the reader returns.
+    pub fn read_png(reader: impl BufRead + Seek) -> Result<Self, TextureError> {
+        let mut decoder = png::Decoder::new(reader);
+        decoder.set_transformations(png::Transformations::normalize_to_color8());
+        let mut reader = decoder.read_info().map_err(read)?;
+        let (width, height) = reader.info().size();
+        if width.max(height) > Self::LONGEST_SIDE {
+            return Err(TextureError::Png(format!("it has {width} x {height} pixels")));
+        }
+        let size = reader.output_buffer_size().ok_or_else(|| TextureError::Png("it is too large".into()))?;
+        let mut bytes = vec![0; size];
+        let info = reader.next_frame(&mut bytes).map_err(read)?;
+        bytes.truncate(info.buffer_size());
+        let channels = match info.color_type {
+            png::ColorType::Grayscale => 1,
+            png::ColorType::GrayscaleAlpha => {
+                bytes = bytes
+                    .chunks_exact(2)
+                    .flat_map(|pixel| [pixel[0], pixel[0], pixel[0], pixel[1]])
+                    .collect();
+                4
+            }
+            png::ColorType::Rgba => 4,
+            _ => 3,
+        };
+        Self::new(width, height, channels, bytes)
+    }
+}
+
+fn written(error: png::EncodingError) -> TextureError {
+    match error {
+        png::EncodingError::IoError(error) => TextureError::Io(error),
+        other => TextureError::Io(io::Error::other(other.to_string())),
+    }
+}
+
+fn read(error: png::DecodingError) -> TextureError {
+    match error {
+        png::DecodingError::IoError(error) => TextureError::Io(error),
+        other => TextureError::Png(other.to_string()),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::io::Cursor;
+
+    #[test]
+    fn what_is_written_is_read() {
+        for channels in [1, 3, 4] {
+            let bytes = (0..5 * 3 * u32::from(channels)).map(|i| (i * 37 % 256) as u8).collect();
+            let image = Image::new(5, 3, channels, bytes).expect("sizes are right");
+            assert_eq!(Image::read_png(Cursor::new(image.png())).expect("a PNG"), image);
+        }
+    }
+
+    #[test]
+    fn wrong_sizes_are_named() {
+        for (width, height, channels, bytes, name) in [
+            (0, 1, 1, 0, "Image.width"),
+            (1, 8193, 1, 8193, "Image.height"),
+            (1, 1, 2, 2, "Image.channels"),
+            (2, 2, 3, 11, "Image.bytes"),
+        ] {
+            let error = Image::new(width, height, channels, vec![0; bytes]).expect_err("wrong").to_string();
+            assert!(error.starts_with(name), "{error}");
+        }
+    }
+
+    #[test]
+    fn what_is_no_png_is_refused() {
+        let whole = Image::new(4, 4, 3, vec![7; 48]).expect("sizes are right").png();
+        for bytes in [&b""[..], b"GIF89a", &whole[..whole.len() / 2]] {
+            let error = Image::read_png(Cursor::new(bytes)).expect_err("no PNG").to_string();
+            assert!(error.contains("image"), "{error}");
+        }
+    }
+}

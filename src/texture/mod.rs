@@ -1,0 +1,28 @@
+//! Images that a surface wears: colour, relief, gloss and light from behind.
+//!
+//! An [`Image`] is made or read; [`Textures`] are the images of one material, named as glTF names them. A
+//! [`Part`](crate::surface::Part) wears them, the writers of [`export`](crate::export) put them into files or beside them.
+
+mod image;
+mod textures;
+
+pub use image::Image;
+pub use textures::Textures;
+
+use crate::ParameterError;
+use std::io;
+
+/// Why there is no image.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum TextureError {
+    /// An option out of its range.
+    #[error(transparent)]
+    Parameter(#[from] ParameterError),
+    /// The file is not a PNG, or is broken.
+    #[error("cannot read the image: {0}; expected a PNG of at most {max} x {max} pixels", max = Image::LONGEST_SIDE)]
+    Png(String),
+    /// The reader or writer failed.
+    #[error("cannot read or write the image: {0}")]
+    Io(#[from] io::Error),
+}
