@@ -20,6 +20,7 @@
 mod arrangement;
 mod grown;
 mod leaf;
+mod measure;
 mod place;
 mod sketch;
 

@@ -1,7 +1,8 @@
 //! Branches counted and followed.
 
-use super::angle::length;
-use crate::Skeleton;
+use super::angle::{branch_angles, length};
+use crate::skeleton::Branch;
+use crate::{ParameterError, Skeleton};
 
 /// Number of branches of each order, the trunk first, as in [`Skeleton::branches`]. The first entry is 1. O(n).
 pub fn branch_counts(skeleton: &Skeleton) -> Vec<usize> {
@@ -28,6 +29,57 @@ pub fn tortuosities(skeleton: &Skeleton) -> Vec<Option<f64>> {
         (chord > 0.0).then(|| (way / chord).max(1.0))
     };
     skeleton.branches().iter().map(|branch| of(branch.nodes())).collect()
+}
+
+/// What is measured on one branch; see [`measure_branches`].
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
+#[non_exhaustive]
+pub struct BranchMeasure {
+    /// The branch's first node of its own; the root for the trunk.
+    pub node: usize,
+    /// 0 for the trunk.
+    pub order: u16,
+    /// How high above the base of the trunk the branch leaves its parent branch, metres.
+    pub base_height: f64,
+    /// Length along the branch from where it leaves its parent branch, metres.
+    pub length: f64,
+    /// Straight from there to the tip, metres.
+    pub chord: f64,
+    /// Diameter at the first node of its own, metres.
+    pub base_diameter: f64,
+    /// Diameter at the tip, metres.
+    pub tip_diameter: f64,
+    /// Angle to the parent branch, radians, as [`branch_angles`](super::branch_angles) has it; `None` for the trunk and where there is no direction.
+    pub angle: Option<f32>,
+}
+
+/// Every branch with its measures, in the order of [`Skeleton::branches`]: for distributions by order or by height. Angles are
+/// taken over `reach` metres. O(n + b log n) for b branches.
+///
+/// # Errors
+/// A `reach` that is negative or not finite.
+pub fn measure_branches(skeleton: &Skeleton, reach: f32) -> Result<Vec<BranchMeasure>, ParameterError> {
+    let mut angles = branch_angles(skeleton, reach)?.into_iter().peekable();
+    let base = f64::from(skeleton.positions()[0].y);
+    let diameter = |node: usize| 2.0 * f64::from(skeleton.radii()[node]);
+    // The trunk is the first, and has no node of another branch.
+    let of = |(number, branch): (usize, Branch<'_>)| {
+        let nodes = branch.nodes();
+        let (start, tip) = (nodes[0] as usize, nodes[nodes.len() - 1] as usize);
+        let first = nodes[number.min(1)] as usize;
+        BranchMeasure {
+            node: first,
+            order: branch.order(),
+            base_height: f64::from(skeleton.positions()[start].y) - base,
+            length: nodes.windows(2).map(|pair| length(skeleton, pair[0] as usize, pair[1] as usize)).sum(),
+            chord: length(skeleton, start, tip),
+            base_diameter: diameter(first),
+            tip_diameter: diameter(tip),
+            angle: angles.next_if(|angle| angle.node == first).map(|angle| angle.angle),
+        }
+    };
+    Ok(skeleton.branches().iter().enumerate().map(of).collect())
 }
 
 /// Number of nodes on the longest way from the root to a tip, both included; at least 1. O(n).
@@ -76,7 +128,31 @@ mod tests {
         Ok(())
     }
 
+    #[test]
+    fn measures_by_hand() -> Result<(), Box<dyn Error>> {
+        let arm = 0.89_f64.sqrt();
+        let fork = y_fork()?.with_radii(vec![0.5, 0.5, 0.25, 0.25])?;
+        let all = measure_branches(&fork, 0.0)?;
+        let [trunk, twig] = all[..] else { panic!("{all:?}") };
+        assert_eq!((trunk.node, trunk.order, trunk.angle, twig.order), (0, 0, None, 1));
+        assert!((trunk.length - 1.0 - arm).abs() < 1e-6 && (twig.length - arm).abs() < 1e-6);
+        assert!((twig.base_height - 1.0).abs() < 1e-6 && (twig.chord - arm).abs() < 1e-6);
+        assert_eq!((trunk.base_diameter, trunk.tip_diameter, twig.base_diameter), (1.0, 0.5, 0.5));
+        assert!(twig.angle.is_some_and(|angle| angle > 0.3));
+        assert_eq!(measure_branches(&fork, f32::NAN).unwrap_err().parameter, "reach");
+        Ok(())
+    }
+
     proptest! {
+        #[test]
+        fn all_branches_are_measured(skeleton in any_skeleton()) {
+            let all = measure_branches(&skeleton, 0.0).unwrap();
+            let sum: f64 = all.iter().map(|branch| branch.length).sum();
+            prop_assert!((sum - super::super::total_length(&skeleton)).abs() < 1e-6);
+            prop_assert_eq!(all.iter().filter(|branch| branch.angle.is_some()).count(), branch_angles(&skeleton, 0.0).unwrap().len());
+            prop_assert!(all.iter().all(|branch| branch.chord <= branch.length + 1e-6));
+        }
+
         #[test]
         fn counts_agree(skeleton in any_skeleton()) {
             let counts = branch_counts(&skeleton);

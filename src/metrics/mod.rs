@@ -6,15 +6,23 @@
 
 mod angle;
 mod branch;
+mod crown;
 mod exponent;
+mod hull;
 mod size;
+mod stem;
 mod strahler;
 
 pub use angle::{BranchAngle, branch_angles};
-pub use branch::{branch_counts, depth, tortuosities};
+pub use branch::{BranchMeasure, branch_counts, depth, measure_branches, tortuosities};
+pub use crown::{CrownRadii, crown_base, crown_volume, path_fraction, projected_area};
 pub use exponent::{fork_exponents, pipe_exponent};
 pub use size::{crown_width, height, surface_area, total_length, wood_volume};
-pub use strahler::{bifurcation_ratios, mean_bifurcation_ratio, strahler_orders, stream_counts};
+pub use stem::{BREAST_HEIGHT, diameter_at, form_factor, stem_volume};
+pub use strahler::{
+    bifurcation_ratios, horton_ratios, mean_bifurcation_ratio, strahler_orders, stream_counts,
+    stream_diameters, stream_lengths,
+};
 
 use crate::Skeleton;
 
@@ -54,6 +62,31 @@ pub struct Metrics {
     pub height: f64,
     /// Largest horizontal distance of two nodes, metres; see [`crown_width`].
     pub crown_width: f64,
+    /// Where the crown begins above the base of the trunk, metres; see [`crown_base`].
+    pub crown_base: Option<f64>,
+    /// Coefficient of variation of the crown's radii in four directions; see [`CrownRadii`].
+    pub crown_variation: f64,
+    /// How far the crown's middle is off the trunk's base, as a share of its mean radius; see [`CrownRadii::offset`], of eight directions.
+    pub crown_offset: f64,
+    /// Ground below the crown, square metres; see [`projected_area`].
+    pub projected_area: f64,
+    /// Volume of the crown's convex hull, cubic metres; see [`crown_volume`].
+    pub crown_volume: f64,
+    /// Diameter of the trunk at 1.3 m above its base, metres; see [`diameter_at`].
+    pub breast_height_diameter: Option<f64>,
+    /// Volume of the trunk alone, cubic metres; see [`stem_volume`].
+    pub stem_volume: f64,
+    /// The trunk's volume over that of a cylinder; see [`form_factor`].
+    pub form_factor: Option<f64>,
+    /// Diameters of the trunk at a quarter, a half and three quarters of the tree's height, as shares of that at 1.3 m; `None`
+    /// where the trunk does not reach or has no thickness.
+    pub stem_taper: [Option<f64>; 3],
+    /// Mean radius of the tips, metres.
+    pub mean_tip_radius: f64,
+    /// Standard deviation of the tips' radii over their mean; 0 where that is 0.
+    pub tip_radius_variation: f64,
+    /// Mean way from tips to the base over the longest; see [`path_fraction`].
+    pub path_fraction: Option<f64>,
     /// Length of all internodes, metres; see [`total_length`].
     pub total_length: f64,
     /// Volume of the internodes as cylinders, cubic metres; see [`wood_volume`].
@@ -68,6 +101,10 @@ pub struct Metrics {
     pub bifurcation_ratios: Vec<f64>,
     /// Horton's ratio of the whole tree, by regression; see [`mean_bifurcation_ratio`].
     pub mean_bifurcation_ratio: Option<f64>,
+    /// Mean length of the streams of each order over that of the order below; see [`stream_lengths`].
+    pub length_ratios: Vec<f64>,
+    /// Mean diameter of the streams of each order over that of the order below; see [`stream_diameters`].
+    pub diameter_ratios: Vec<f64>,
     /// Mean angle between branches and bearing axes at the first internode, radians; see [`branch_angles`].
     pub mean_branch_angle: Option<f64>,
     /// The same over an arc length of five internodes of mean length, which is beyond their crookedness: radians.
@@ -89,6 +126,12 @@ impl Metrics {
         let tortuosities: Vec<f64> = tortuosities(skeleton).into_iter().flatten().collect();
         let mean_tortuosity =
             (!tortuosities.is_empty()).then(|| tortuosities.iter().sum::<f64>() / tortuosities.len() as f64);
+        let diameter = diameter_at(skeleton, BREAST_HEIGHT);
+        let at = |share: f64| diameter_at(skeleton, share * height(skeleton));
+        let stem_taper = [0.25, 0.5, 0.75].map(|share| {
+            diameter.filter(|&diameter| diameter > 0.0).and_then(|diameter| Some(at(share)? / diameter))
+        });
+        let (mean_tip_radius, tip_radius_variation) = size::tip_radii(skeleton);
         Self {
             nodes: skeleton.len(),
             tips: skeleton.tips().count(),
@@ -97,6 +140,18 @@ impl Metrics {
             branches_by_order,
             height: height(skeleton),
             crown_width: crown_width(skeleton),
+            crown_base: crown_base(skeleton),
+            crown_variation: crown::radii(skeleton, 4).variation(),
+            crown_offset: crown::radii(skeleton, 8).offset(),
+            projected_area: projected_area(skeleton),
+            crown_volume: crown_volume(skeleton),
+            breast_height_diameter: diameter,
+            stem_volume: stem_volume(skeleton),
+            form_factor: form_factor(skeleton),
+            stem_taper,
+            mean_tip_radius,
+            tip_radius_variation,
+            path_fraction: path_fraction(skeleton),
             total_length,
             wood_volume: wood_volume(skeleton),
             surface_area: surface_area(skeleton),
@@ -104,6 +159,8 @@ impl Metrics {
             bifurcation_ratios: bifurcation_ratios(&streams),
             mean_bifurcation_ratio: mean_bifurcation_ratio(&streams),
             streams,
+            length_ratios: horton_ratios(&stream_lengths(skeleton)),
+            diameter_ratios: horton_ratios(&stream_diameters(skeleton)),
             mean_branch_angle: angle::mean(&angle::angles(skeleton, 0.0)),
             mean_branch_angle_smoothed: angle::mean(&angle::angles(skeleton, 5.0 * internode)),
             mean_tortuosity,
@@ -129,7 +186,21 @@ mod tests {
             metrics.total_length,
             metrics.wood_volume,
             metrics.surface_area,
+            metrics.crown_variation,
+            metrics.crown_offset,
+            metrics.projected_area,
+            metrics.crown_volume,
+            metrics.stem_volume,
+            metrics.mean_tip_radius,
+            metrics.tip_radius_variation,
         ];
+        numbers.extend(metrics.crown_base.map(f64::abs));
+        numbers.extend(metrics.breast_height_diameter);
+        numbers.extend(metrics.form_factor);
+        numbers.extend(metrics.path_fraction);
+        numbers.extend(metrics.stem_taper.into_iter().flatten());
+        numbers.extend(&metrics.length_ratios);
+        numbers.extend(&metrics.diameter_ratios);
         numbers.extend(&metrics.bifurcation_ratios);
         numbers.extend(metrics.mean_bifurcation_ratio);
         numbers.extend(metrics.mean_branch_angle);

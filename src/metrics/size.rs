@@ -5,6 +5,7 @@ use std::f64::consts::PI;
 use glam::DVec2;
 
 use super::angle::length;
+use super::hull::convex_hull;
 use crate::Skeleton;
 
 /// Length of all internodes together, metres. O(n).
@@ -26,6 +27,15 @@ pub fn wood_volume(skeleton: &Skeleton) -> f64 {
 pub fn surface_area(skeleton: &Skeleton) -> f64 {
     let of = |(node, parent)| 2.0 * PI * f64::from(skeleton.radii()[node]) * length(skeleton, node, parent);
     skeleton.edges().map(of).sum()
+}
+
+/// Mean radius of the tips, metres, and their standard deviation over it, 0 where the mean is 0.
+pub(super) fn tip_radii(skeleton: &Skeleton) -> (f64, f64) {
+    let radii: Vec<f64> = skeleton.tips().map(|tip| f64::from(skeleton.radii()[tip])).collect();
+    let mean = radii.iter().sum::<f64>() / radii.len() as f64;
+    let square =
+        radii.iter().map(|radius| (radius - mean) * (radius - mean)).sum::<f64>() / radii.len() as f64;
+    (mean, if mean > 0.0 { square.sqrt() / mean } else { 0.0 })
 }
 
 /// How far the highest node is above the root, metres; at least 0. O(n).
@@ -55,34 +65,6 @@ pub fn crown_width(skeleton: &Skeleton) -> f64 {
         widest = widest.max(hull[i].distance(hull[far])).max(hull[next(i)].distance(hull[far]));
     }
     widest
-}
-
-/// The corners, counterclockwise, without those on straight edges (Andrew's monotone chain, 1979). At least one
-/// corner for at least one point.
-fn convex_hull(mut points: Vec<DVec2>) -> Vec<DVec2> {
-    points.sort_by(|a, b| a.x.total_cmp(&b.x).then(a.y.total_cmp(&b.y)));
-    points.dedup();
-    if points.len() < 3 {
-        return points;
-    }
-    let mut hull: Vec<DVec2> = Vec::new();
-    let mut half = |points: &mut dyn Iterator<Item = DVec2>| {
-        let fixed = hull.len();
-        for point in points {
-            while let [.., a, b] = hull[fixed..] {
-                if (b - a).perp_dot(point - a) > 0.0 {
-                    break;
-                }
-                hull.pop();
-            }
-            hull.push(point);
-        }
-        // The last point is the first of the other half.
-        hull.pop();
-    };
-    half(&mut points.iter().copied());
-    half(&mut points.iter().rev().copied());
-    hull
 }
 
 #[cfg(test)]

@@ -1,5 +1,6 @@
 //! Stream orders after Horton 1945 and Strahler 1952, as botany took them over from rivers.
 
+use super::angle::length;
 use crate::Skeleton;
 
 /// Horton-Strahler order of each node and so of the internode below it: 1 at tips; at a fork the highest among
@@ -80,6 +81,40 @@ pub fn mean_bifurcation_ratio(streams: &[usize]) -> Option<f64> {
     Some(libm::exp(-along / square))
 }
 
+/// Mean length of the streams of each Strahler order, metres, that of order 1 first: all internodes of an order over its
+/// [number of streams](stream_counts). O(n).
+pub fn stream_lengths(skeleton: &Skeleton) -> Vec<f64> {
+    let orders = strahler_orders(skeleton);
+    let counts = streams_of(skeleton, &orders);
+    let (lengths, _) = by_order(skeleton, &orders);
+    lengths.iter().zip(&counts).map(|(length, &count)| length / count as f64).collect()
+}
+
+/// Mean diameter of the streams of each Strahler order, metres, that of order 1 first: over all internodes of an order by
+/// their length, each as thick as its upper node. 0 where an order has no length. O(n).
+pub fn stream_diameters(skeleton: &Skeleton) -> Vec<f64> {
+    let (lengths, areas) = by_order(skeleton, &strahler_orders(skeleton));
+    let mean = |(&length, &area): (&f64, &f64)| if length > 0.0 { area / length } else { 0.0 };
+    lengths.iter().zip(&areas).map(mean).collect()
+}
+
+/// Length of the internodes of each order, and length times diameter.
+fn by_order(skeleton: &Skeleton, orders: &[u16]) -> (Vec<f64>, Vec<f64>) {
+    let mut sums = (vec![0.0; usize::from(orders[0])], vec![0.0; usize::from(orders[0])]);
+    for (node, parent) in skeleton.edges() {
+        let (order, length) = (usize::from(orders[node]) - 1, length(skeleton, node, parent));
+        sums.0[order] += length;
+        sums.1[order] += 2.0 * length * f64::from(skeleton.radii()[node]);
+    }
+    sums
+}
+
+/// Each value over the one before: Horton's length and diameter ratios, of [`stream_lengths`] and [`stream_diameters`]. 0 where
+/// the value before is 0.
+pub fn horton_ratios(values: &[f64]) -> Vec<f64> {
+    values.windows(2).map(|pair| if pair[0] > 0.0 { pair[1] / pair[0] } else { 0.0 }).collect()
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -132,7 +167,28 @@ mod tests {
         Ok(())
     }
 
+    #[test]
+    fn lengths_and_diameters_by_hand() -> Result<(), Box<dyn Error>> {
+        // A trunk of 1 m that is 1 m thick, and two arms of 0.94 m that are half as thick.
+        let arm = 0.89_f64.sqrt();
+        let fork = y_fork()?.with_radii(vec![0.5, 0.5, 0.25, 0.25])?;
+        let (lengths, diameters) = (stream_lengths(&fork), stream_diameters(&fork));
+        assert!((lengths[0] - arm).abs() < 1e-6 && (lengths[1] - 1.0).abs() < 1e-6, "{lengths:?}");
+        assert_eq!(diameters, [0.5, 1.0]);
+        assert_eq!((horton_ratios(&diameters), horton_ratios(&[0.0, 1.0])), (vec![2.0], vec![0.0]));
+        assert_eq!((stream_lengths(&chain(1)?), stream_diameters(&chain(1)?)), (vec![0.0], vec![0.0]));
+        Ok(())
+    }
+
     proptest! {
+        #[test]
+        fn lengths_sum_up(skeleton in any_skeleton()) {
+            let lengths = stream_lengths(&skeleton);
+            let counts = stream_counts(&skeleton);
+            let sum: f64 = lengths.iter().zip(&counts).map(|(length, &count)| length * count as f64).sum();
+            prop_assert!((sum - super::super::total_length(&skeleton)).abs() < 1e-6);
+        }
+
         #[test]
         fn agrees_with_the_definition(skeleton in any_skeleton()) {
             let orders = strahler_orders(&skeleton);
