@@ -10,6 +10,8 @@ use std::collections::BinaryHeap;
 /// Entries of a bucket, on average. Half and twice as many are 5% slower.
 const FILL: usize = 32;
 
+const WIDEN: usize = 2;
+
 /// (cost, node) in one number whose order is theirs reversed, for both `Vec` and `BinaryHeap` pop the largest. The
 /// bits of floats that are not negative are in the floats' order.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
@@ -169,10 +171,11 @@ impl Queue {
         let (_, high, low) = self.far.select_nth_unstable(last / 8);
         let high = high.cost();
         self.base = low.iter().map(|entry| entry.cost()).fold(high, f32::min);
-        self.count = self.far.len().div_ceil(FILL);
+        let count = self.far.len().div_ceil(FILL);
+        self.count = count * WIDEN;
         self.next = 0;
         // Infinite where all costs are one: they have the first bucket to themselves.
-        self.scale = self.count as f32 / (high - self.base);
+        self.scale = count as f32 / (high - self.base);
         self.buckets.reset(self.count);
         let mut far = std::mem::take(&mut self.far);
         far.retain(|&entry| {

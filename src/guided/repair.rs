@@ -82,6 +82,7 @@ impl Asked {
 impl Search<'_> {
     /// Takes these trees instead of those it has; costs and paths off them stay.
     pub(super) fn install(&mut self, entries: &[Entry]) {
+        self.forgotten = false;
         for &node in &self.tree {
             self.place[node as usize] = NONE;
         }
@@ -116,6 +117,7 @@ impl Search<'_> {
         terms: &Terms<'_>,
     ) -> Result<Option<usize>, SearchError> {
         let graph = self.graph.clone();
+        self.forgotten = false;
         let state = vec![State::Valid; graph.nodes()];
         let (list, stack) = (Vec::new(), Vec::new());
         let mut repair = Repair {

@@ -31,6 +31,7 @@ impl Search<'_> {
     pub(super) fn run(&mut self, terms: &Terms<'_>, targets: Option<&[u32]>) -> Result<(), SearchError> {
         let work = Work::Stage { index: terms.stage, of: terms.stages };
         report(terms.observer, work, 0.0)?;
+        self.forgotten = false;
         for index in 0..self.tree.len() {
             let node = self.tree[index];
             self.guides[node as usize].vector = self.source_vector(node, terms)?;
@@ -88,17 +89,24 @@ impl Search<'_> {
             self.guides[here] = self.guide(graph, node, terms)?;
         }
         let cost = self.ways[here].cost;
+        let positions = graph.positions();
         let mut ends = [(0, Vec3::ZERO); STAR];
         let mut weights = [0.0; STAR];
         for neighbours in graph.neighbours(node).chunks(STAR) {
             let mut open = 0;
             for &to in neighbours {
-                ends[open] = (to, graph.position(to));
+                ends[open % STAR] = (to, positions[to as usize]);
                 // As cheap already, so settled or about to be: asking for the weight would be in vain.
                 open += usize::from(self.ways[to as usize].cost > cost);
             }
-            self.weigh(graph, node, &ends[..open], &mut weights[..open], terms)?;
-            for (&(to, _), &weight) in ends[..open].iter().zip(&weights) {
+            if open == 0 {
+                continue;
+            }
+            let (ends, weights) = (&ends[..open], &mut weights[..open]);
+            terms.weight.weights(&self.star(graph, node, ends, terms), weights);
+            let mut sound = true;
+            for (&(to, _), &weight) in ends.iter().zip(&*weights) {
+                sound &= weight >= 0.0;
                 // `+ 0.0` turns a weight of -0 into 0, whose bits are in order.
                 let through = cost + weight + 0.0;
                 let known = &mut self.ways[to as usize];
@@ -106,6 +114,9 @@ impl Search<'_> {
                     *known = Way { cost: through, parent: node };
                     self.queue.push(through, to);
                 }
+            }
+            if !sound {
+                check_weights(node, ends, weights, terms.stage)?;
             }
         }
         Ok(())
@@ -141,7 +152,6 @@ impl Search<'_> {
     }
 
     /// The weights of edges from a settled node.
-    #[inline]
     pub(super) fn weigh(
         &self,
         graph: &Graph,
@@ -150,11 +160,18 @@ impl Search<'_> {
         weights: &mut [f32],
         terms: &Terms<'_>,
     ) -> Result<(), SearchError> {
+        terms.weight.weights(&self.star(graph, node, ends, terms), weights);
+        check_weights(node, ends, weights, terms.stage)
+    }
+
+    /// Edges from a settled node.
+    #[inline]
+    fn star<'a>(&'a self, graph: &Graph, node: u32, ends: &'a [(u32, Vec3)], terms: &Terms<'_>) -> Star<'a> {
         let here = node as usize;
         let guide = self.guides[here];
         let (hops, path_length) =
             if self.place[here] == NONE { (guide.hops, guide.length) } else { (0, 0.0) };
-        let star = Star {
+        Star {
             context: Context::Search(self),
             from: node,
             source: guide.source,
@@ -166,14 +183,7 @@ impl Search<'_> {
             stage: terms.stage,
             seed: terms.seed,
             ends,
-        };
-        terms.weight.weights(&star, weights);
-        for (&(to, _), &weight) in ends.iter().zip(&*weights) {
-            if weight.is_nan() || weight < 0.0 {
-                return Err(SearchError::Weight { stage: terms.stage, from: node, to, weight });
-            }
         }
-        Ok(())
     }
 
     /// The vector with which a node of the tree enters the stage.
@@ -224,6 +234,16 @@ impl Search<'_> {
         }
         Ok(())
     }
+}
+
+/// No weight is NaN or negative.
+fn check_weights(from: u32, ends: &[(u32, Vec3)], weights: &[f32], stage: usize) -> Result<(), SearchError> {
+    for (&(to, _), &weight) in ends.iter().zip(weights) {
+        if weight.is_nan() || weight < 0.0 {
+            return Err(SearchError::Weight { stage, from, to, weight });
+        }
+    }
+    Ok(())
 }
 
 #[inline]

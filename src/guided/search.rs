@@ -45,6 +45,8 @@ pub struct Search<'g> {
     /// A bit a node: the search stops when all of these are settled.
     pub(super) wanted: Vec<u64>,
     pub(super) complete: bool,
+    /// Nothing is known of nodes off the tree.
+    pub(super) forgotten: bool,
     /// Stages that the graph's own tree has used up.
     pub(super) stages_before: u16,
 }
@@ -170,6 +172,7 @@ impl<'g> Search<'g> {
             queue: Queue::default(),
             wanted: Vec::new(),
             complete: false,
+            forgotten: true,
             stages_before: 0,
         };
         search.plant();
@@ -196,6 +199,7 @@ impl<'g> Search<'g> {
         self.stages.clear();
         self.owners.clear();
         self.radii.clear();
+        self.forgotten = true;
     }
 
     /// Goes on with a tree that is carried over to a finer graph, whose first nodes are the tree's.
@@ -236,11 +240,13 @@ impl<'g> Search<'g> {
 
     /// "Nodes that are not part of the structure are reinitialized" (section 3.1.4).
     pub(super) fn forget(&mut self) {
-        for node in 0..self.ways.len() {
-            if self.place[node] == NONE {
-                self.ways[node] = NO_WAY;
-                self.guides[node].vector = NO_VECTOR;
+        if !self.forgotten {
+            let nodes = self.place.iter().zip(self.ways.iter_mut().zip(&mut self.guides));
+            for (_, (way, guide)) in nodes.filter(|&(&place, _)| place == NONE) {
+                *way = NO_WAY;
+                guide.vector = NO_VECTOR;
             }
+            self.forgotten = true;
         }
         self.queue.clear();
         self.forks = OnceLock::new();

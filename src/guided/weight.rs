@@ -5,8 +5,11 @@ use super::fork::Fork;
 use crate::math::{UP, cos, powf, sin};
 use crate::parameter::ParameterError;
 use crate::shape::Shape;
-use glam::Vec3;
+use glam::{Vec3, Vec4};
 use std::sync::Arc;
+
+/// Edges whose weights are worked out together.
+const LANES: usize = 4;
 
 /// Gives each edge its weight, once the node it starts from has its guiding vector.
 ///
@@ -163,6 +166,20 @@ impl<'a> Star<'a> {
     }
 }
 
+impl Star<'_> {
+    /// [`Edge::guided`] of four edges: the same operations in the same order.
+    #[inline]
+    fn guided(&self, edges: [usize; LANES]) -> [f32; LANES] {
+        let ends = edges.map(|i| self.ends[i].1);
+        let axis = |coordinate: fn(Vec3) -> f32| Vec4::from(ends.map(coordinate)) - coordinate(self.start);
+        let (x, y, z) = (axis(|v| v.x), axis(|v| v.y), axis(|v| v.z));
+        let lengths = (x * x + y * y + z * z).sqrt();
+        let (x, y, z) = (x / lengths, y / lengths, z / lengths);
+        let cosines = x * self.vector.x + y * self.vector.y + z * self.vector.z;
+        (lengths * (Vec4::ONE - cosines).max(Vec4::ZERO)).to_array()
+    }
+}
+
 impl Edge<'static> {
     /// An edge to try a weight with: from node 0, the root of a trunk that points up, at `start` to node 1 at `end`
     /// (metres, not the same place), with a guiding vector of any length but zero. The fields can be set.
@@ -229,6 +246,27 @@ impl WeightFn for Guided {
     #[inline]
     fn weight(&self, edge: &Edge<'_>) -> f32 {
         edge.guided()
+    }
+
+    /// Four edges at once, each as [`weight`](Self::weight) says, to the bit.
+    fn weights(&self, star: &Star<'_>, weights: &mut [f32]) {
+        let edges = weights.len();
+        if edges < LANES {
+            for (weight, guided) in weights.iter_mut().zip(star.guided([0, 1, 2, 3].map(|i| i.min(edges.max(1) - 1)))) {
+                *weight = guided;
+            }
+            return;
+        }
+        let mut first = 0;
+        loop {
+            let four = star.guided([0, 1, 2, 3].map(|i| first + i));
+            weights[first..first + LANES].copy_from_slice(&four);
+            if first + LANES == edges {
+                return;
+            }
+            // The last four again where fewer are left.
+            first = (first + LANES).min(edges - LANES);
+        }
     }
 }
 
