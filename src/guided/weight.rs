@@ -251,8 +251,13 @@ impl WeightFn for Guided {
     /// Four edges at once, each as [`weight`](Self::weight) says, to the bit.
     fn weights(&self, star: &Star<'_>, weights: &mut [f32]) {
         let edges = weights.len();
+        if edges == 0 {
+            return;
+        }
         if edges < LANES {
-            for (weight, guided) in weights.iter_mut().zip(star.guided([0, 1, 2, 3].map(|i| i.min(edges.max(1) - 1)))) {
+            for (weight, guided) in
+                weights.iter_mut().zip(star.guided([0, 1, 2, 3].map(|i| i.min(edges - 1))))
+            {
                 *weight = guided;
             }
             return;
