@@ -76,6 +76,10 @@ impl Buckets {
         *len += 1;
     }
 
+    fn len(&self, bucket: usize) -> usize {
+        self.ends[bucket].1 as usize
+    }
+
     /// Empties a bucket.
     fn drain(&mut self, bucket: usize, mut each: impl FnMut(Entry)) {
         let (mut block, mut len) = std::mem::replace(&mut self.ends[bucket], (NONE, 0));
@@ -170,11 +174,15 @@ impl Queue {
         while self.next == self.count {
             self.lay_out()?;
         }
+        // Without a branch, for which are kept cannot be foretold.
+        let (first, mut kept) = (self.opened.len(), self.opened.len());
+        self.opened.resize(first + self.buckets.len(self.next), Entry(0));
+        let opened = &mut self.opened;
         self.buckets.drain(self.next, |entry| {
-            if keep(entry.cost(), entry.node()) {
-                self.opened.push(entry);
-            }
+            opened[kept] = entry;
+            kept += usize::from(keep(entry.cost(), entry.node()));
         });
+        self.opened.truncate(kept);
         self.opened.sort_unstable();
         self.next += 1;
         Some(())

@@ -49,22 +49,12 @@ impl Search<'_> {
         let mut ahead = Ahead::default();
         let mut count = 0;
         loop {
-            if self.queue.opened().len() == ahead.first {
+            if ahead.first > 0 && self.queue.opened().len() == ahead.first {
                 ahead.work_out(self, &ground, terms);
             }
             let Some((cost, node, place)) = self.queue.pop_opened() else {
                 let costs = &self.costs;
-                let mut read = 0;
-                let next = self.queue.open(&mut |cost, node| {
-                    let fresh = cost <= costs[node as usize];
-                    if fresh {
-                        // Read ahead, so that the list is in the cache when the node is settled.
-                        read ^= ground.neighbours(node).first().copied().unwrap_or(0);
-                    }
-                    fresh
-                });
-                std::hint::black_box(read);
-                if next.is_none() {
+                if self.queue.open(&mut |cost, node| cost <= costs[node as usize]).is_none() {
                     break;
                 }
                 ahead.first = self.queue.opened().len();
@@ -294,6 +284,15 @@ impl Ahead {
         let opened = search.queue.opened();
         self.first = opened.len().saturating_sub(AHEAD);
         let opened = &opened[self.first..];
+        // Read first what will be far away in memory, all of it at once.
+        let (mut read, last) = (0, graph.nodes() as u32 - 1);
+        for entry in opened {
+            let node = entry.node();
+            let parent = search.parents[node as usize].min(last);
+            read ^=
+                graph.neighbours(node).first().copied().unwrap_or(0) ^ search.guides[parent as usize].hops;
+        }
+        std::hint::black_box(read);
         self.guides.clear();
         for entry in opened {
             let node = entry.node();
