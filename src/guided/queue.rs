@@ -7,8 +7,8 @@
 
 use std::collections::BinaryHeap;
 
-/// Entries of a bucket, on average. Half and twice as many are 5% slower.
-const FILL: usize = 32;
+/// Entries of a bucket, on average; half and a quarter as many are 4% slower. What is in a bucket is worked out together.
+const FILL: usize = 64;
 
 /// How many times as far as most of the frontier its buckets reach, for what comes while they are opened.
 const WIDEN: usize = 2;

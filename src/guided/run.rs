@@ -259,7 +259,7 @@ impl Search<'_> {
 }
 
 /// Nodes of the open bucket that are worked out ahead, together.
-const AHEAD: usize = 32;
+const AHEAD: usize = 64;
 
 /// The vectors of the next nodes to be settled, and the weights of their edges, worked out before the first of them is
 /// settled.
