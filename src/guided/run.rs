@@ -65,9 +65,9 @@ impl Search<'_> {
                 continue;
             }
             match place.and_then(|place| ahead.get(place)) {
-                Some((guide, edges)) => {
+                Some((guide, ends, weights)) => {
                     self.guides[node as usize] = guide;
-                    for (&(to, _), &weight) in edges {
+                    for (&(to, _), &weight) in ends.iter().zip(weights) {
                         self.relax(node, to, cost, weight);
                     }
                 }
@@ -329,8 +329,7 @@ impl Ahead {
                 terms.weight.weights(&search.star(graph, entry.node(), guide, ends, terms), weights);
             }
         }
-        let sound = self.weights.iter().fold(true, |sound, &weight| sound & (weight >= 0.0));
-        if !sound {
+        if !self.weights.iter().all(|&weight| weight >= 0.0) {
             self.guides.clear();
         }
     }
@@ -338,11 +337,11 @@ impl Ahead {
     /// What the node at a place in the open bucket leaves to those after it, and its edges; `None` where that has to be
     /// worked out when it is settled.
     #[inline]
-    fn get(&self, place: usize) -> Option<(Guide, impl Iterator<Item = (&(u32, Vec3), &f32)>)> {
+    fn get(&self, place: usize) -> Option<(Guide, &[(u32, Vec3)], &[f32])> {
         let i = place.checked_sub(self.first)?;
         let guide = *self.guides.get(i).filter(|guide| !guide.vector.x.is_nan())?;
         let edges = self.starts[i]..self.starts[i + 1];
-        Some((guide, self.ends[edges.clone()].iter().zip(&self.weights[edges])))
+        Some((guide, &self.ends[edges.clone()], &self.weights[edges]))
     }
 }
 
