@@ -250,11 +250,11 @@ fn extended(searched: &Searched<'_>, stage: usize, joined: &mut [u64]) -> Result
         while !search.is_on_tree(node) && joined[node as usize / 64] >> (node % 64) & 1 == 0 {
             joined[node as usize / 64] |= 1 << (node % 64);
             path.push(node);
-            node = search.ways[node as usize].parent;
+            node = search.parents[node as usize];
         }
         while let Some(node) = path.pop() {
             let guide = search.guides[node as usize];
-            let parent = search.ways[node as usize].parent;
+            let parent = search.parents[node as usize];
             let guide = Guide { source: node, ..guide };
             entries.push(Entry { node, parent, stage: joins, guide });
         }

@@ -7,7 +7,7 @@
 use super::fork::Fork;
 use super::graph::Graph;
 use super::run::Terms;
-use super::search::{Guide, NO_VECTOR, NO_WAY, NONE, Search, SearchError, Way};
+use super::search::{Guide, NO_VECTOR, NONE, Search, SearchError};
 use crate::shape::Bounds;
 use glam::Vec3;
 use std::cmp::Ordering;
@@ -82,14 +82,16 @@ impl Asked {
 impl Search<'_> {
     /// Takes these trees instead of those it has; costs and paths off them stay.
     pub(super) fn install(&mut self, entries: &[Entry]) {
+        self.forgotten = false;
         for &node in &self.tree {
             self.place[node as usize] = NONE;
+            self.on_tree[node as usize / 64] = 0;
         }
         self.tree.clear();
         self.stages.clear();
         self.owners.clear();
         for entry in entries {
-            self.ways[entry.node as usize].parent = entry.parent;
+            self.parents[entry.node as usize] = entry.parent;
             self.guides[entry.node as usize] = entry.guide;
             self.join(entry.node, entry.stage);
         }
@@ -99,7 +101,7 @@ impl Search<'_> {
     pub(super) fn entries(&self) -> Vec<Entry> {
         let entry = |(&node, &stage): (&u32, &u16)| {
             let guide = Guide { source: node, ..self.guides[node as usize] };
-            Entry { node, parent: self.ways[node as usize].parent, stage, guide }
+            Entry { node, parent: self.parents[node as usize], stage, guide }
         };
         self.tree.iter().zip(&self.stages).map(entry).collect()
     }
@@ -116,6 +118,7 @@ impl Search<'_> {
         terms: &Terms<'_>,
     ) -> Result<Option<usize>, SearchError> {
         let graph = self.graph.clone();
+        self.forgotten = false;
         let state = vec![State::Valid; graph.nodes()];
         let (list, stack) = (Vec::new(), Vec::new());
         let mut repair = Repair {
@@ -177,7 +180,7 @@ impl Repair<'_, '_> {
             .iter()
             .map(|entry| {
                 let node = entry.node as usize;
-                (search.place(entry.node), search.ways[node].parent, search.guides[node].vector)
+                (search.place(entry.node), search.parents[node], search.guides[node].vector)
             })
             .collect();
         search.install(entries);
@@ -262,7 +265,7 @@ impl Repair<'_, '_> {
     fn lose(&mut self, node: u32) {
         let here = node as usize;
         self.state[here] = State::Open;
-        self.search.ways[here] = NO_WAY;
+        (self.search.costs[here], self.search.parents[here]) = (f32::INFINITY, NONE);
         self.search.guides[here].vector = NO_VECTOR;
         self.list.push(node);
         self.anew += 1;
@@ -276,7 +279,7 @@ impl Repair<'_, '_> {
             && let Some(node) = self.stack.pop()
         {
             for &to in self.graph.neighbours(node) {
-                if self.search.ways[to as usize].parent == node && self.search.place[to as usize] == NONE {
+                if self.search.parents[to as usize] == node && self.search.place[to as usize] == NONE {
                     match self.state[to as usize] {
                         // Offered a way from here that is no more.
                         State::Open => self.lose(to),
@@ -300,18 +303,19 @@ impl Repair<'_, '_> {
             }
             let end = [(node, self.graph.position(node))];
             for &from in self.origins.of_node(node) {
-                let cost = self.search.ways[from as usize].cost;
-                if !self.is_final(from) || cost > self.search.ways[node as usize].cost {
+                let cost = self.search.costs[from as usize];
+                if !self.is_final(from) || cost > self.search.costs[node as usize] {
                     continue;
                 }
                 let mut weight = [0.0];
                 self.search.weigh(self.graph, from, &end, &mut weight, self.terms)?;
                 let through = cost + weight[0] + 0.0;
                 if self.is_better(from, node, through) {
-                    self.search.ways[node as usize] = Way { cost: through, parent: from };
+                    self.search.costs[node as usize] = through;
+                    self.search.parents[node as usize] = from;
                 }
             }
-            let cost = self.search.ways[node as usize].cost;
+            let cost = self.search.costs[node as usize];
             if cost < f32::INFINITY {
                 self.search.queue.push(cost, node);
             }
@@ -322,25 +326,24 @@ impl Repair<'_, '_> {
     /// Whether a search from nothing takes this way rather than the one that is known: the cheaper one, or of equal
     /// ones that whose start it settles first.
     fn is_better(&mut self, from: u32, to: u32, through: f32) -> bool {
-        let known = self.search.ways[to as usize];
+        let (known, before) = (self.search.costs[to as usize], self.search.parents[to as usize]);
         // Neither is NaN, and no cost is -0.
-        match through.total_cmp(&known.cost) {
+        match through.total_cmp(&known) {
             Ordering::Less => return true,
-            Ordering::Equal if through < f32::INFINITY && known.parent != from => {}
+            Ordering::Equal if through < f32::INFINITY && before != from => {}
             _ => return false,
         }
-        let cost = |node: u32| self.search.ways[node as usize].cost;
-        match cost(from).total_cmp(&cost(known.parent)) {
+        let cost = |node: u32| self.search.costs[node as usize];
+        match cost(from).total_cmp(&cost(before)) {
             Ordering::Less => return true,
             Ordering::Equal => {}
             Ordering::Greater => return false,
         }
         // Nodes of one cost that come from lower ones are in the queue together, and leave it by number.
-        let from_below = |node: u32| {
-            self.search.is_on_tree(node) || cost(self.search.ways[node as usize].parent) < cost(node)
-        };
-        self.is_clear &= from_below(from) && from_below(known.parent);
-        from < known.parent
+        let from_below =
+            |node: u32| self.search.is_on_tree(node) || cost(self.search.parents[node as usize]) < cost(node);
+        self.is_clear &= from_below(from) && from_below(before);
+        from < before
     }
 
     fn go_on(&mut self) -> Result<(), SearchError> {
@@ -348,7 +351,7 @@ impl Repair<'_, '_> {
             && let Some((cost, node)) = self.search.queue.pop(|_, _| true)
         {
             let here = node as usize;
-            if self.state[here] != State::Open || cost.to_bits() != self.search.ways[here].cost.to_bits() {
+            if self.state[here] != State::Open || cost.to_bits() != self.search.costs[here].to_bits() {
                 continue;
             }
             self.state[here] = State::Done;
@@ -361,7 +364,7 @@ impl Repair<'_, '_> {
     /// Offers ways from a final node.
     fn relax(&mut self, node: u32) -> Result<(), SearchError> {
         const STAR: usize = 8;
-        let cost = self.search.ways[node as usize].cost;
+        let cost = self.search.costs[node as usize];
         let mut ends = [(0, Vec3::ZERO); STAR];
         let mut weights = [0.0; STAR];
         for neighbours in self.graph.neighbours(node).chunks(STAR) {
@@ -369,7 +372,7 @@ impl Repair<'_, '_> {
             for &to in neighbours {
                 ends[open] = (to, self.graph.position(to));
                 let is_on_tree = self.search.place[to as usize] != NONE;
-                open += usize::from(!is_on_tree && self.search.ways[to as usize].cost >= cost);
+                open += usize::from(!is_on_tree && self.search.costs[to as usize] >= cost);
             }
             self.search.weigh(self.graph, node, &ends[..open], &mut weights[..open], self.terms)?;
             for (&(to, _), &weight) in ends[..open].iter().zip(&weights) {
@@ -384,7 +387,8 @@ impl Repair<'_, '_> {
                     // The rest of the list is what hung on it.
                     self.list.retain(|&opened| opened != to);
                 }
-                self.search.ways[to as usize] = Way { cost: through, parent: node };
+                self.search.costs[to as usize] = through;
+                self.search.parents[to as usize] = node;
                 self.search.queue.push(through, to);
                 self.offer_to_list()?;
                 if !self.is_clear {

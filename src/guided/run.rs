@@ -3,7 +3,7 @@
 use super::context::Context;
 use super::graph::Graph;
 use super::rule::{GuidingRule, Source, Step};
-use super::search::{Guide, NONE, Search, SearchError, Way};
+use super::search::{Guide, NO_GUIDE, Search, SearchError};
 use super::weight::{Star, WeightFn};
 use crate::observer::{Observer, Work, report};
 use glam::Vec3;
@@ -31,6 +31,7 @@ impl Search<'_> {
     pub(super) fn run(&mut self, terms: &Terms<'_>, targets: Option<&[u32]>) -> Result<(), SearchError> {
         let work = Work::Stage { index: terms.stage, of: terms.stages };
         report(terms.observer, work, 0.0)?;
+        self.forgotten = false;
         for index in 0..self.tree.len() {
             let node = self.tree[index];
             self.guides[node as usize].vector = self.source_vector(node, terms)?;
@@ -45,25 +46,33 @@ impl Search<'_> {
             self.wanted.iter().map(|bits| bits.count_ones()).sum::<u32>()
         });
         let ground = self.graph.clone();
+        let mut ahead = Ahead::default();
         let mut count = 0;
         loop {
-            let ways = &self.ways;
-            let mut read = 0;
-            let next = self.queue.pop(|cost, node| {
-                let fresh = cost <= ways[node as usize].cost;
-                if fresh {
-                    // Read ahead, so that the list is in the cache when the node is settled.
-                    read ^= ground.neighbours(node).first().copied().unwrap_or(0);
+            if ahead.first > 0 && self.queue.opened().len() == ahead.first {
+                ahead.work_out(self, &ground, terms);
+            }
+            let Some((cost, node, place)) = self.queue.pop_opened() else {
+                let costs = &self.costs;
+                if self.queue.open(&mut |cost, node| cost <= costs[node as usize]).is_none() {
+                    break;
                 }
-                fresh
-            });
-            std::hint::black_box(read);
-            let Some((cost, node)) = next else { break };
+                ahead.first = self.queue.opened().len();
+                continue;
+            };
             // Stale: the node has been settled at a lower cost.
-            if cost > self.ways[node as usize].cost {
+            if cost > self.costs[node as usize] {
                 continue;
             }
-            self.settle(&ground, node, terms)?;
+            match place.and_then(|place| ahead.get(place)) {
+                Some((guide, ends, weights)) => {
+                    self.guides[node as usize] = guide;
+                    for (&(to, _), &weight) in ends.iter().zip(weights) {
+                        self.relax(node, to, cost, weight);
+                    }
+                }
+                None => self.settle(&ground, node, terms)?,
+            }
             if let Some(left) = &mut left
                 && self.wanted[node as usize / 64] >> (node % 64) & 1 == 1
             {
@@ -84,43 +93,63 @@ impl Search<'_> {
     /// "The event of finalizing a node's cost also fixes its guiding vector", then its edges get their weights.
     fn settle(&mut self, graph: &Graph, node: u32, terms: &Terms<'_>) -> Result<(), SearchError> {
         let here = node as usize;
-        if self.place[here] == NONE {
+        if !self.is_on_tree(node) {
             self.guides[here] = self.guide(graph, node, terms)?;
         }
-        let cost = self.ways[here].cost;
+        let cost = self.costs[here];
+        let positions = graph.positions();
         let mut ends = [(0, Vec3::ZERO); STAR];
         let mut weights = [0.0; STAR];
         for neighbours in graph.neighbours(node).chunks(STAR) {
             let mut open = 0;
             for &to in neighbours {
-                ends[open] = (to, graph.position(to));
+                ends[open % STAR].0 = to;
                 // As cheap already, so settled or about to be: asking for the weight would be in vain.
-                open += usize::from(self.ways[to as usize].cost > cost);
+                open += usize::from(self.costs[to as usize] > cost);
             }
-            self.weigh(graph, node, &ends[..open], &mut weights[..open], terms)?;
-            for (&(to, _), &weight) in ends[..open].iter().zip(&weights) {
-                // `+ 0.0` turns a weight of -0 into 0, whose bits are in order.
-                let through = cost + weight + 0.0;
-                let known = &mut self.ways[to as usize];
-                if through < known.cost {
-                    *known = Way { cost: through, parent: node };
-                    self.queue.push(through, to);
-                }
+            if open == 0 {
+                continue;
+            }
+            // Where the others are need not be in the cache any more.
+            for (to, end) in &mut ends[..open] {
+                *end = positions[*to as usize];
+            }
+            let (ends, weights) = (&ends[..open], &mut weights[..open]);
+            terms.weight.weights(&self.star(graph, node, self.guides[here], ends, terms), weights);
+            let mut sound = true;
+            for (&(to, _), &weight) in ends.iter().zip(&*weights) {
+                sound &= weight >= 0.0;
+                self.relax(node, to, cost, weight);
+            }
+            if !sound {
+                check_weights(node, ends, weights, terms.stage)?;
             }
         }
         Ok(())
+    }
+
+    /// Takes the way over an edge if it is better than what is known.
+    #[inline]
+    fn relax(&mut self, node: u32, to: u32, cost: f32, weight: f32) {
+        // `+ 0.0` turns a weight of -0 into 0, whose bits are in order.
+        let through = cost + weight + 0.0;
+        let known = &mut self.costs[to as usize];
+        if through < *known {
+            *known = through;
+            self.parents[to as usize] = node;
+            self.queue.push(through, to);
+        }
     }
 
     /// What a node off the tree leaves to those after it; its way is final.
     #[inline]
     pub(super) fn guide(&self, graph: &Graph, node: u32, terms: &Terms<'_>) -> Result<Guide, SearchError> {
         let position = graph.position(node);
-        let parent = self.ways[node as usize].parent;
+        let parent = self.parents[node as usize];
         let way = position - graph.position(parent);
         let length = way.length();
         let before = self.guides[parent as usize];
-        let (hops, start) =
-            if self.place[parent as usize] == NONE { (before.hops, before.length) } else { (0, 0.0) };
+        let (hops, start) = if self.is_on_tree(parent) { (0, 0.0) } else { (before.hops, before.length) };
         let (hops, path_length) = (hops + 1, start + length);
         let step = Step {
             context: Context::Search(self),
@@ -141,7 +170,6 @@ impl Search<'_> {
     }
 
     /// The weights of edges from a settled node.
-    #[inline]
     pub(super) fn weigh(
         &self,
         graph: &Graph,
@@ -150,30 +178,34 @@ impl Search<'_> {
         weights: &mut [f32],
         terms: &Terms<'_>,
     ) -> Result<(), SearchError> {
-        let here = node as usize;
-        let guide = self.guides[here];
-        let (hops, path_length) =
-            if self.place[here] == NONE { (guide.hops, guide.length) } else { (0, 0.0) };
-        let star = Star {
+        terms.weight.weights(&self.star(graph, node, self.guides[node as usize], ends, terms), weights);
+        check_weights(node, ends, weights, terms.stage)
+    }
+
+    /// Edges from a settled node.
+    #[inline]
+    fn star<'a>(
+        &'a self,
+        graph: &Graph,
+        node: u32,
+        guide: Guide,
+        ends: &'a [(u32, Vec3)],
+        terms: &Terms<'_>,
+    ) -> Star<'a> {
+        let (hops, path_length) = if self.is_on_tree(node) { (0, 0.0) } else { (guide.hops, guide.length) };
+        Star {
             context: Context::Search(self),
             from: node,
             source: guide.source,
             start: graph.position(node),
             vector: guide.vector,
-            cost: self.ways[here].cost,
+            cost: self.costs[node as usize],
             hops,
             path_length,
             stage: terms.stage,
             seed: terms.seed,
             ends,
-        };
-        terms.weight.weights(&star, weights);
-        for (&(to, _), &weight) in ends.iter().zip(&*weights) {
-            if weight.is_nan() || weight < 0.0 {
-                return Err(SearchError::Weight { stage: terms.stage, from: node, to, weight });
-            }
         }
-        Ok(())
     }
 
     /// The vector with which a node of the tree enters the stage.
@@ -214,9 +246,9 @@ impl Search<'_> {
         let mut path = Vec::new();
         for &endpoint in endpoints {
             let mut node = endpoint;
-            while self.place[node as usize] == NONE {
+            while !self.is_on_tree(node) {
                 path.push(node);
-                node = self.ways[node as usize].parent;
+                node = self.parents[node as usize];
             }
             while let Some(node) = path.pop() {
                 self.join(node, joined);
@@ -224,6 +256,103 @@ impl Search<'_> {
         }
         Ok(())
     }
+}
+
+/// Nodes of the open bucket that are worked out ahead, together.
+const AHEAD: usize = 64;
+
+/// The vectors of the next nodes to be settled, and the weights of their edges, worked out before the first of them is
+/// settled.
+///
+/// One by one, each node would wait for the vector and the weights of the one before, for whether an edge is a better
+/// way cannot be foretold; here they overlap. Rules and weights hang on nothing that settling the nodes could change but
+/// the way to the node itself, and where a better one is found, the node comes again as one that is late.
+#[derive(Debug, Default)]
+struct Ahead {
+    /// The place in the open bucket of the first node that is worked out; they are from there on.
+    first: usize,
+    guides: Vec<Guide>,
+    ends: Vec<(u32, Vec3)>,
+    weights: Vec<f32>,
+    /// Where the edges of each node begin, and where the last one's end.
+    starts: Vec<usize>,
+}
+
+impl Ahead {
+    /// The last nodes of the open bucket. What no search can go on with is left to when the node is settled.
+    fn work_out(&mut self, search: &Search<'_>, graph: &Graph, terms: &Terms<'_>) {
+        let opened = search.queue.opened();
+        self.first = opened.len().saturating_sub(AHEAD);
+        let opened = &opened[self.first..];
+        // Read first what will be far away in memory, all of it at once.
+        let (mut read, last) = (0, graph.nodes() as u32 - 1);
+        for entry in opened {
+            let node = entry.node();
+            let parent = search.parents[node as usize].min(last);
+            read ^=
+                graph.neighbours(node).first().copied().unwrap_or(0) ^ search.guides[parent as usize].hops;
+        }
+        std::hint::black_box(read);
+        self.guides.clear();
+        for entry in opened {
+            let node = entry.node();
+            let guide = if search.is_on_tree(node) {
+                search.guides[node as usize]
+            } else {
+                search.guide(graph, node, terms).unwrap_or(NO_GUIDE)
+            };
+            self.guides.push(guide);
+        }
+        self.starts.clear();
+        self.starts.push(0);
+        let mut open = 0;
+        for (entry, guide) in opened.iter().zip(&self.guides) {
+            let neighbours = graph.neighbours(entry.node());
+            let is_stale = entry.cost() > search.costs[entry.node() as usize] || guide.vector.x.is_nan();
+            let neighbours = if is_stale { &[] } else { neighbours };
+            if self.ends.len() < open + neighbours.len() {
+                self.ends.resize(open + neighbours.len(), (0, Vec3::ZERO));
+            }
+            for &to in neighbours {
+                self.ends[open] = (to, graph.positions()[to as usize]);
+                // As cheap already, so settled or about to be: asking for the weight would be in vain.
+                open += usize::from(search.costs[to as usize] > entry.cost());
+            }
+            self.starts.push(open);
+        }
+        self.weights.clear();
+        self.weights.resize(open, 0.0);
+        for (i, (entry, &guide)) in opened.iter().zip(&self.guides).enumerate() {
+            let edges = self.starts[i]..self.starts[i + 1];
+            let (ends, weights) = (&self.ends[edges.clone()], &mut self.weights[edges]);
+            for (ends, weights) in ends.chunks(STAR).zip(weights.chunks_mut(STAR)) {
+                terms.weight.weights(&search.star(graph, entry.node(), guide, ends, terms), weights);
+            }
+        }
+        if !self.weights.iter().all(|&weight| weight >= 0.0) {
+            self.guides.clear();
+        }
+    }
+
+    /// What the node at a place in the open bucket leaves to those after it, and its edges; `None` where that has to be
+    /// worked out when it is settled.
+    #[inline]
+    fn get(&self, place: usize) -> Option<(Guide, &[(u32, Vec3)], &[f32])> {
+        let i = place.checked_sub(self.first)?;
+        let guide = *self.guides.get(i).filter(|guide| !guide.vector.x.is_nan())?;
+        let edges = self.starts[i]..self.starts[i + 1];
+        Some((guide, &self.ends[edges.clone()], &self.weights[edges]))
+    }
+}
+
+/// No weight is NaN or negative.
+fn check_weights(from: u32, ends: &[(u32, Vec3)], weights: &[f32], stage: usize) -> Result<(), SearchError> {
+    for (&(to, _), &weight) in ends.iter().zip(weights) {
+        if weight.is_nan() || weight < 0.0 {
+            return Err(SearchError::Weight { stage, from, to, weight });
+        }
+    }
+    Ok(())
 }
 
 #[inline]

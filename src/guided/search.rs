@@ -23,12 +23,16 @@ pub struct Search<'g> {
     /// The graph that every new tree begins in.
     base: &'g Graph,
     pub(super) graph: Ground<'g>,
-    /// What the frontier asks for at every edge.
-    pub(super) ways: Vec<Way>,
+    /// The least cost to each node so far, 0 on the tree: what the frontier asks for at every edge.
+    pub(super) costs: Vec<f32>,
+    /// The node before each on that way.
+    pub(super) parents: Vec<u32>,
     /// What a settled node leaves to those after it.
     pub(super) guides: Vec<Guide>,
     /// Index in `tree`, or `NONE`.
     pub(super) place: Vec<u32>,
+    /// A bit a node.
+    pub(super) on_tree: Vec<u64>,
     /// Nodes of the trees, each after its parent.
     pub(super) tree: Vec<u32>,
     /// Stage in which each node of `tree` joined.
@@ -45,6 +49,8 @@ pub struct Search<'g> {
     /// A bit a node: the search stops when all of these are settled.
     pub(super) wanted: Vec<u64>,
     pub(super) complete: bool,
+    /// Nothing is known of nodes off the tree.
+    pub(super) forgotten: bool,
     /// Stages that the graph's own tree has used up.
     pub(super) stages_before: u16,
 }
@@ -68,14 +74,6 @@ impl Deref for Ground<'_> {
     }
 }
 
-/// The best way to a node so far.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct Way {
-    /// 0 on the tree.
-    pub(super) cost: f32,
-    pub(super) parent: u32,
-}
-
 /// What is known of a settled node.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Guide {
@@ -87,10 +85,9 @@ pub(super) struct Guide {
     pub(super) source: u32,
 }
 
-pub(super) const NO_WAY: Way = Way { cost: f32::INFINITY, parent: NONE };
 /// Not settled: no rule may give this vector.
 pub(super) const NO_VECTOR: Vec3 = Vec3::NAN;
-const NO_GUIDE: Guide = Guide { vector: NO_VECTOR, hops: 0, length: 0.0, source: NONE };
+pub(super) const NO_GUIDE: Guide = Guide { vector: NO_VECTOR, hops: 0, length: 0.0, source: NONE };
 
 /// What a rule or a weight did that no search can go on with.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
@@ -158,9 +155,11 @@ impl<'g> Search<'g> {
         let mut search = Self {
             base: graph,
             graph: Ground::Base(graph),
-            ways: vec![NO_WAY; nodes],
+            costs: vec![f32::INFINITY; nodes],
+            parents: vec![NONE; nodes],
             guides: vec![NO_GUIDE; nodes],
             place: vec![NONE; nodes],
+            on_tree: vec![0; nodes.div_ceil(64)],
             tree: Vec::new(),
             stages: Vec::new(),
             owners: Vec::new(),
@@ -170,6 +169,7 @@ impl<'g> Search<'g> {
             queue: Queue::default(),
             wanted: Vec::new(),
             complete: false,
+            forgotten: true,
             stages_before: 0,
         };
         search.plant();
@@ -186,16 +186,21 @@ impl<'g> Search<'g> {
     fn stand_on(&mut self, graph: Ground<'g>) {
         let nodes = graph.nodes();
         self.graph = graph;
-        self.ways.clear();
-        self.ways.resize(nodes, NO_WAY);
+        self.costs.clear();
+        self.costs.resize(nodes, f32::INFINITY);
+        self.parents.clear();
+        self.parents.resize(nodes, NONE);
         self.guides.clear();
         self.guides.resize(nodes, NO_GUIDE);
         self.place.clear();
         self.place.resize(nodes, NONE);
+        self.on_tree.clear();
+        self.on_tree.resize(nodes.div_ceil(64), 0);
         self.tree.clear();
         self.stages.clear();
         self.owners.clear();
         self.radii.clear();
+        self.forgotten = true;
     }
 
     /// Goes on with a tree that is carried over to a finer graph, whose first nodes are the tree's.
@@ -208,7 +213,7 @@ impl<'g> Search<'g> {
         self.forget();
         for (node, &parent) in (0u32..).zip(&tree.parents) {
             let i = node as usize;
-            self.ways[i].parent = if node == parent { NONE } else { parent };
+            self.parents[i] = if node == parent { NONE } else { parent };
             let (vector, hops, length) = (tree.vectors[i], tree.hops[i], tree.lengths[i]);
             self.guides[i] = Guide { vector, hops, length, source: node };
             self.join(node, tree.stages[i]);
@@ -227,7 +232,7 @@ impl<'g> Search<'g> {
         self.forget();
         for i in 0..self.graph.roots().len() {
             let root = self.graph.roots()[i];
-            self.ways[root as usize].parent = NONE;
+            self.parents[root as usize] = NONE;
             // "The root node has distance zero, and has a vertical guiding vector."
             self.guides[root as usize] = Guide { vector: UP, hops: 0, length: 0.0, source: root };
             self.join(root, 0);
@@ -236,11 +241,14 @@ impl<'g> Search<'g> {
 
     /// "Nodes that are not part of the structure are reinitialized" (section 3.1.4).
     pub(super) fn forget(&mut self) {
-        for node in 0..self.ways.len() {
-            if self.place[node] == NONE {
-                self.ways[node] = NO_WAY;
-                self.guides[node].vector = NO_VECTOR;
+        if !self.forgotten {
+            for node in 0..self.costs.len() {
+                if self.place[node] == NONE {
+                    (self.costs[node], self.parents[node]) = (f32::INFINITY, NONE);
+                    self.guides[node].vector = NO_VECTOR;
+                }
             }
+            self.forgotten = true;
         }
         self.queue.clear();
         self.forks = OnceLock::new();
@@ -268,7 +276,8 @@ impl<'g> Search<'g> {
         };
         self.owners.push(owner);
         self.place[node as usize] = self.tree.len() as u32;
-        self.ways[node as usize].cost = 0.0;
+        self.on_tree[node as usize / 64] |= 1 << (node % 64);
+        self.costs[node as usize] = 0.0;
         self.guides[node as usize].source = node;
         self.tree.push(node);
         self.stages.push(stage);
@@ -308,7 +317,7 @@ impl<'g> Search<'g> {
     /// As all methods that take a node: when there is no such node.
     #[inline]
     pub fn is_on_tree(&self, node: u32) -> bool {
-        self.place[node as usize] != NONE
+        self.on_tree[node as usize / 64] >> (node % 64) & 1 == 1
     }
 
     /// Which tree `node` is on, or its path starts from: the number among the graph's [roots](Graph::roots). `None` off
@@ -336,7 +345,7 @@ impl<'g> Search<'g> {
 
     /// Least cost from the tree to `node` in the latest search, if settled. Zero on the tree.
     pub fn cost(&self, node: u32) -> Option<f32> {
-        self.is_settled(node).then(|| self.ways[node as usize].cost)
+        self.is_settled(node).then(|| self.costs[node as usize])
     }
 
     /// The unit guiding vector of `node`, if settled.
@@ -346,7 +355,7 @@ impl<'g> Search<'g> {
 
     /// The node before `node` on its path; `None` for the root and where nothing has been found.
     pub fn parent(&self, node: u32) -> Option<u32> {
-        Some(self.ways[node as usize].parent).filter(|&parent| parent != NONE)
+        Some(self.parents[node as usize]).filter(|&parent| parent != NONE)
     }
 
     /// Edges from the source of the stage in which `node` was settled; 0 at the root.

@@ -45,7 +45,8 @@ use std::sync::Arc;
 /// assert!(rule.guide(&step).x > 0.0);
 /// ```
 pub trait GuidingRule: Send + Sync {
-    /// The guiding vector of a node that has just been settled.
+    /// The guiding vector of a node that is being settled. Asked again for the same node where a better way to it is
+    /// found.
     fn guide(&self, step: &Step<'_>) -> Vec3;
 
     /// The guiding vector with which a node of the tree enters a stage as a source. It keeps its own unless a
