@@ -5,6 +5,7 @@
 //! <https://registry.khronos.org/glTF/specs/2.0/glTF-2.0.html>; the numbers below are its constants.
 
 mod document;
+mod wind;
 
 use super::{ExportError, check_parts};
 use crate::ParameterError;
@@ -12,6 +13,8 @@ use crate::surface::{Instance, Material, Mesh, Part, Wind};
 use document::Document;
 use glam::{Vec2, Vec3, Vec4};
 use std::io::{self, Write};
+use wind::Column;
+pub use wind::WindEncoding;
 
 /// `glTF`, `JSON` and `BIN\0` as little-endian numbers.
 const MAGIC: u32 = 0x4654_6C67;
@@ -43,16 +46,18 @@ pub struct GlbOptions {
     material: Material,
     instancing: Instancing,
     coverages: Vec<f32>,
+    wind: WindEncoding,
 }
 
 impl Default for GlbOptions {
-    /// Named `tree`, [`Material::bark`], [`Instancing::Extension`], no screen coverages.
+    /// Named `tree`, [`Material::bark`], [`Instancing::Extension`], no screen coverages, [`WindEncoding::Attributes`].
     fn default() -> Self {
         Self {
             name: "tree".into(),
             material: Material::bark(),
             instancing: Instancing::default(),
             coverages: Vec::new(),
+            wind: WindEncoding::default(),
         }
     }
 }
@@ -83,6 +88,12 @@ impl GlbOptions {
         self
     }
 
+    /// How the [`Wind`] of vertices is written, if they have it; default [`WindEncoding::Attributes`].
+    pub fn with_wind(mut self, encoding: WindEncoding) -> Self {
+        self.wind = encoding;
+        self
+    }
+
     fn check(&self, levels: usize) -> Result<(), ParameterError> {
         self.material.check()?;
         let coverages = &self.coverages;
@@ -96,8 +107,7 @@ impl GlbOptions {
 }
 
 /// Writes `mesh` as a glTF 2.0 binary file: positions, normals, indices, and whatever else the vertices have: tangents,
-/// texture coordinates (`TEXCOORD_0`), colours (`COLOR_0`), and of [`Wind`] the custom attributes
-/// `_WIND_PIVOT` (VEC3, metres) and `_WIND` (VEC3: level, phase, stiffness).
+/// texture coordinates (`TEXCOORD_0`), colours (`COLOR_0`), and [`Wind`] by the [encoding](WindEncoding) asked for.
 ///
 /// glTF's axes and unit are this crate's (right-handed, +Y up, metres), so nothing is converted and every number
 /// comes back as it is. The same mesh and options give the same bytes. O(vertices + triangles) time, O(1) memory.
@@ -187,20 +197,19 @@ pub fn write_glb_levels<'a>(
 }
 
 /// The vertex attributes of a mesh, positions first.
-fn attributes(mesh: &Mesh) -> Vec<(&'static str, Data<'_>)> {
+fn attributes<'a>(mesh: &'a Mesh, options: &GlbOptions) -> Vec<(&'static str, Data<'a>)> {
     let mut attributes =
         vec![("POSITION", Data::Vec3(&mesh.positions)), ("NORMAL", Data::Vec3(&mesh.normals))];
     for (name, data) in [
         ("TANGENT", Data::Vec4(&mesh.tangents)),
         ("TEXCOORD_0", Data::Vec2(&mesh.uvs)),
         ("COLOR_0", Data::Colors(&mesh.colors)),
-        ("_WIND_PIVOT", Data::WindPivots(&mesh.wind)),
-        ("_WIND", Data::Wind(&mesh.wind)),
     ] {
         if data.count() > 0 {
             attributes.push((name, data));
         }
     }
+    attributes.extend(wind::attributes(mesh, options.wind));
     attributes
 }
 
@@ -211,8 +220,7 @@ enum Data<'a> {
     Vec3(&'a [Vec3]),
     Vec4(&'a [Vec4]),
     Colors(&'a [[f32; 3]]),
-    WindPivots(&'a [Wind]),
-    Wind(&'a [Wind]),
+    Wind(&'a [Wind], Column),
     Indices(&'a [u32]),
     Translations(&'a [Instance]),
     Rotations(&'a [Instance]),
@@ -226,7 +234,7 @@ impl Data<'_> {
             Self::Vec3(array) => array.len(),
             Self::Vec4(array) => array.len(),
             Self::Colors(array) => array.len(),
-            Self::WindPivots(array) | Self::Wind(array) => array.len(),
+            Self::Wind(array, _) => array.len(),
             Self::Indices(array) => array.len(),
             Self::Translations(array) | Self::Rotations(array) | Self::Scales(array) => array.len(),
         }
@@ -235,14 +243,14 @@ impl Data<'_> {
     /// Words of four bytes an element, and what glTF calls that.
     fn kind(self) -> (u64, &'static str) {
         match self {
+            Self::Wind(_, column) => match column.words() {
+                1 => (1, "SCALAR"),
+                2 => (2, "VEC2"),
+                _ => (3, "VEC3"),
+            },
             Self::Indices(_) => (1, "SCALAR"),
             Self::Vec2(_) => (2, "VEC2"),
-            Self::Vec3(_)
-            | Self::Colors(_)
-            | Self::WindPivots(_)
-            | Self::Wind(_)
-            | Self::Translations(_)
-            | Self::Scales(_) => (3, "VEC3"),
+            Self::Vec3(_) | Self::Colors(_) | Self::Translations(_) | Self::Scales(_) => (3, "VEC3"),
             Self::Vec4(_) | Self::Rotations(_) => (4, "VEC4"),
         }
     }
@@ -252,7 +260,10 @@ impl Data<'_> {
     }
 
     fn component(self) -> u32 {
-        if matches!(self, Self::Indices(_)) { UNSIGNED_INT } else { FLOAT }
+        match self {
+            Self::Indices(_) => UNSIGNED_INT,
+            _ => FLOAT,
+        }
     }
 
     /// What the array is for; instances are not for the vertex pipeline.
@@ -271,10 +282,14 @@ impl Data<'_> {
             Self::Vec3(array) => write_all(writer, array, |v| v.to_array().map(floats)),
             Self::Vec4(array) => write_all(writer, array, |v| v.to_array().map(floats)),
             Self::Colors(array) => write_all(writer, array, |color| color.map(floats)),
-            Self::WindPivots(array) => write_all(writer, array, |wind| wind.pivot.to_array().map(floats)),
-            Self::Wind(array) => {
-                write_all(writer, array, |wind| [wind.level, wind.phase, wind.stiffness].map(floats))
-            }
+            Self::Wind(array, column) => match column.words() {
+                1 => write_all(writer, array, |wind| [floats(column.of(wind)[0])]),
+                2 => write_all(writer, array, |wind| {
+                    let [x, y, _] = column.of(wind);
+                    [x, y].map(floats)
+                }),
+                _ => write_all(writer, array, |wind| column.of(wind).map(floats)),
+            },
             Self::Indices(array) => write_all(writer, array, |i| [i.to_le_bytes()]),
             Self::Translations(array) => write_all(writer, array, |i| i.position.to_array().map(floats)),
             Self::Rotations(array) => write_all(writer, array, |i| i.rotation.to_array().map(floats)),

@@ -22,9 +22,11 @@ mod grown;
 mod leaf;
 mod place;
 mod sketch;
+mod wind;
 
 pub use arrangement::Arrangement;
 pub use leaf::Leaf;
+pub use wind::LeafWind;
 
 use crate::math::UP;
 use crate::surface::{Instance, Material, Part};

@@ -215,7 +215,8 @@ fn mesh_hash(mesh: &Mesh) -> u64 {
     let tangents = mesh.tangents.iter().flat_map(Vec4::to_array);
     let uvs = mesh.uvs.iter().flat_map(Vec2::to_array);
     let wind =
-        mesh.wind.iter().flat_map(|w| [w.pivot.x, w.pivot.y, w.pivot.z, w.level, w.phase, w.stiffness]);
+        mesh.wind.iter().flat_map(|w| w.moments.into_iter().chain(w.axes).chain([Vec3::splat(w.flutter)]));
+    let wind = wind.flat_map(|vector| vector.to_array());
     let numbers = tangents.chain(uvs).chain(wind).map(f32::to_bits).chain(mesh.indices.iter().copied());
     fnv1a(
         of_positions(&mesh.positions)

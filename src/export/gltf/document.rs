@@ -39,7 +39,7 @@ impl<'a> Document<'a> {
             Self { arrays: Vec::new(), meshes: Vec::new(), materials: Vec::new(), levels: Vec::new() };
         for level in levels {
             let seen = level.as_ref().iter().filter(|part| part.triangles() > 0);
-            let level: Vec<_> = seen.map(|part| document.placed(part, options.instancing)).collect();
+            let level: Vec<_> = seen.map(|part| document.placed(part, options)).collect();
             if level.is_empty() {
                 return None;
             }
@@ -48,10 +48,10 @@ impl<'a> Document<'a> {
         (!document.levels.is_empty()).then_some(document)
     }
 
-    fn placed(&mut self, part: &Part<'a>, instancing: Instancing) -> Placed<'a> {
-        let mesh = self.mesh(part);
+    fn placed(&mut self, part: &Part<'a>, options: &GlbOptions) -> Placed<'a> {
+        let mesh = self.mesh(part, options);
         let instances = part.instances();
-        let arrays = instances.filter(|_| instancing == Instancing::Extension).map(|instances| {
+        let arrays = instances.filter(|_| options.instancing == Instancing::Extension).map(|instances| {
             [Data::Translations(instances), Data::Rotations(instances), Data::Scales(instances)]
                 .map(|data| self.array(data))
         });
@@ -63,7 +63,7 @@ impl<'a> Document<'a> {
         self.arrays.len() - 1
     }
 
-    fn mesh(&mut self, part: &Part<'a>) -> usize {
+    fn mesh(&mut self, part: &Part<'a>, options: &GlbOptions) -> usize {
         let (name, mesh) = (part.name(), part.mesh());
         let look = (name, part.material());
         let material = self.materials.iter().position(|other| *other == look).unwrap_or_else(|| {
@@ -74,7 +74,8 @@ impl<'a> Document<'a> {
         if let Some(index) = self.meshes.iter().position(same) {
             return index;
         }
-        let attributes = attributes(mesh).into_iter().map(|(name, data)| (name, self.array(data))).collect();
+        let attributes =
+            attributes(mesh, options).into_iter().map(|(name, data)| (name, self.array(data))).collect();
         let indices = self.array(Data::Indices(&mesh.indices));
         self.meshes.push(MeshEntry { name, mesh, material, attributes, indices });
         self.meshes.len() - 1
