@@ -5,6 +5,7 @@
 //! <https://registry.khronos.org/glTF/specs/2.0/glTF-2.0.html>; the numbers below are its constants.
 
 mod document;
+mod skin;
 mod wind;
 
 use super::{ExportError, check_parts};
@@ -12,6 +13,8 @@ use crate::ParameterError;
 use crate::surface::{Instance, Material, Mesh, Part, Wind};
 use document::Document;
 use glam::{Vec2, Vec3, Vec4};
+pub use skin::Breeze;
+use skin::Skins;
 use std::io::{self, Write};
 use wind::Column;
 pub use wind::WindEncoding;
@@ -24,6 +27,7 @@ const VERSION: u32 = 2;
 
 const FLOAT: u32 = 5126;
 const UNSIGNED_INT: u32 = 5125;
+const UNSIGNED_SHORT: u32 = 5123;
 const ARRAY_BUFFER: u32 = 34962;
 const ELEMENT_ARRAY_BUFFER: u32 = 34963;
 
@@ -47,10 +51,11 @@ pub struct GlbOptions {
     instancing: Instancing,
     coverages: Vec<f32>,
     wind: WindEncoding,
+    breeze: Option<Breeze>,
 }
 
 impl Default for GlbOptions {
-    /// Named `tree`, [`Material::bark`], [`Instancing::Extension`], no screen coverages, [`WindEncoding::Attributes`].
+    /// Named `tree`, [`Material::bark`], [`Instancing::Extension`], no screen coverages, [`WindEncoding::Attributes`], no breeze.
     fn default() -> Self {
         Self {
             name: "tree".into(),
@@ -58,6 +63,7 @@ impl Default for GlbOptions {
             instancing: Instancing::default(),
             coverages: Vec::new(),
             wind: WindEncoding::default(),
+            breeze: None,
         }
     }
 }
@@ -94,6 +100,12 @@ impl GlbOptions {
         self
     }
 
+    /// Bones and an animation of a breeze for the parts that have [`Wind`], in a file of one level; default none.
+    pub fn with_breeze(mut self, breeze: Breeze) -> Self {
+        self.breeze = Some(breeze);
+        self
+    }
+
     fn check(&self, levels: usize) -> Result<(), ParameterError> {
         self.material.check()?;
         let coverages = &self.coverages;
@@ -101,6 +113,8 @@ impl GlbOptions {
             || coverages.len() == levels
                 && coverages.iter().all(|coverage| (0.0..=1.0).contains(coverage))
                 && coverages.is_sorted_by(|a, b| a > b);
+        let still = self.breeze.is_none() || levels == 1;
+        ParameterError::unless(still, "GlbOptions.breeze", levels, "in a file of one level")?;
         let range = "falling numbers from 1 to 0, one a level, or none";
         ParameterError::unless(holds, "GlbOptions.coverages", coverages, range)
     }
@@ -171,7 +185,9 @@ pub fn write_glb_levels<'a>(
 ) -> Result<(), ExportError> {
     options.check(levels.len())?;
     levels.iter().try_for_each(|level| check_parts(level.as_ref()))?;
-    let document = Document::new(levels, options).ok_or(ExportError::EmptyMesh)?;
+    let parts = levels.first().map_or(&[][..], |level| level.as_ref());
+    let skins = options.breeze.as_ref().map(|breeze| Skins::new(breeze, parts)).transpose()?;
+    let document = Document::new(levels, options, skins.as_ref()).ok_or(ExportError::EmptyMesh)?;
     let mut json = document.json(options).into_bytes();
     json.resize(json.len().next_multiple_of(4), b' ');
     let bytes = 12 + 8 + json.len() as u64 + 8 + document.bytes();
@@ -221,6 +237,10 @@ enum Data<'a> {
     Vec4(&'a [Vec4]),
     Colors(&'a [[f32; 3]]),
     Wind(&'a [Wind], Column),
+    Bones(&'a [[u16; 4]]),
+    Matrices(&'a [[f32; 16]]),
+    Times(&'a [f32]),
+    Turns(&'a [Vec4]),
     Indices(&'a [u32]),
     Translations(&'a [Instance]),
     Rotations(&'a [Instance]),
@@ -235,6 +255,10 @@ impl Data<'_> {
             Self::Vec4(array) => array.len(),
             Self::Colors(array) => array.len(),
             Self::Wind(array, _) => array.len(),
+            Self::Bones(array) => array.len(),
+            Self::Matrices(array) => array.len(),
+            Self::Times(array) => array.len(),
+            Self::Turns(array) => array.len(),
             Self::Indices(array) => array.len(),
             Self::Translations(array) | Self::Rotations(array) | Self::Scales(array) => array.len(),
         }
@@ -248,7 +272,11 @@ impl Data<'_> {
                 2 => (2, "VEC2"),
                 _ => (3, "VEC3"),
             },
-            Self::Indices(_) => (1, "SCALAR"),
+            Self::Indices(_) | Self::Times(_) => (1, "SCALAR"),
+            // Four numbers of two bytes.
+            Self::Bones(_) => (2, "VEC4"),
+            Self::Matrices(_) => (16, "MAT4"),
+            Self::Turns(_) => (4, "VEC4"),
             Self::Vec2(_) => (2, "VEC2"),
             Self::Vec3(_) | Self::Colors(_) | Self::Translations(_) | Self::Scales(_) => (3, "VEC3"),
             Self::Vec4(_) | Self::Rotations(_) => (4, "VEC4"),
@@ -262,6 +290,7 @@ impl Data<'_> {
     fn component(self) -> u32 {
         match self {
             Self::Indices(_) => UNSIGNED_INT,
+            Self::Bones(_) => UNSIGNED_SHORT,
             _ => FLOAT,
         }
     }
@@ -271,6 +300,7 @@ impl Data<'_> {
         match self {
             Self::Indices(_) => Some(ELEMENT_ARRAY_BUFFER),
             Self::Translations(_) | Self::Rotations(_) | Self::Scales(_) => None,
+            Self::Matrices(_) | Self::Times(_) | Self::Turns(_) => None,
             _ => Some(ARRAY_BUFFER),
         }
     }
@@ -290,6 +320,13 @@ impl Data<'_> {
                 }),
                 _ => write_all(writer, array, |wind| column.of(wind).map(floats)),
             },
+            Self::Bones(array) => write_all(writer, array, |&[a, b, c, d]| {
+                let pair = |low: u16, high: u16| (u32::from(low) | u32::from(high) << 16).to_le_bytes();
+                [pair(a, b), pair(c, d)]
+            }),
+            Self::Matrices(array) => write_all(writer, array, |matrix| matrix.map(floats)),
+            Self::Times(array) => write_all(writer, array, |time| [floats(*time)]),
+            Self::Turns(array) => write_all(writer, array, |turn| turn.to_array().map(floats)),
             Self::Indices(array) => write_all(writer, array, |i| [i.to_le_bytes()]),
             Self::Translations(array) => write_all(writer, array, |i| i.position.to_array().map(floats)),
             Self::Rotations(array) => write_all(writer, array, |i| i.rotation.to_array().map(floats)),

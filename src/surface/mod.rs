@@ -29,6 +29,7 @@ mod level;
 mod material;
 mod mesh;
 mod part;
+mod rig;
 #[cfg(test)]
 mod sample;
 mod simplify;
@@ -46,6 +47,7 @@ pub use level::{Level, Levels};
 pub use material::Material;
 pub use mesh::{Mesh, MeshError};
 pub use part::{Instance, Part};
+pub(crate) use rig::Rig;
 pub use sway::Sway;
 pub use tube::Tubes;
 pub(crate) use wind::Air;

@@ -139,7 +139,7 @@ impl Air {
         Some(Self { gust, strength: length.min(1.0), part })
     }
 
-    fn push(&self, level: usize, axis: Vec3) -> Vec3 {
+    pub(super) fn push(&self, level: usize, axis: Vec3) -> Vec3 {
         let (sin, cos) = sin_cos(TAU * (self.part * CYCLES[level]) + axis.dot(PHASE));
         self.gust * (MEAN + SWING * sin) + UP * (self.strength * LIFT * cos)
     }
