@@ -20,12 +20,15 @@
 mod arrangement;
 mod grown;
 mod leaf;
+mod normals;
 mod place;
+mod shade;
 mod sketch;
 mod wind;
 
 pub use arrangement::Arrangement;
 pub use leaf::Leaf;
+pub use normals::bend_normals;
 pub use wind::LeafWind;
 
 use crate::math::UP;
