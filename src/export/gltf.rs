@@ -252,13 +252,12 @@ impl Data<'_> {
         match self {
             Self::Vec2(array) => array.len(),
             Self::Vec3(array) => array.len(),
-            Self::Vec4(array) => array.len(),
+            Self::Vec4(array) | Self::Turns(array) => array.len(),
             Self::Colors(array) => array.len(),
             Self::Wind(array, _) => array.len(),
             Self::Bones(array) => array.len(),
             Self::Matrices(array) => array.len(),
             Self::Times(array) => array.len(),
-            Self::Turns(array) => array.len(),
             Self::Indices(array) => array.len(),
             Self::Translations(array) | Self::Rotations(array) | Self::Scales(array) => array.len(),
         }
@@ -276,10 +275,9 @@ impl Data<'_> {
             // Four numbers of two bytes.
             Self::Bones(_) => (2, "VEC4"),
             Self::Matrices(_) => (16, "MAT4"),
-            Self::Turns(_) => (4, "VEC4"),
             Self::Vec2(_) => (2, "VEC2"),
             Self::Vec3(_) | Self::Colors(_) | Self::Translations(_) | Self::Scales(_) => (3, "VEC3"),
-            Self::Vec4(_) | Self::Rotations(_) => (4, "VEC4"),
+            Self::Vec4(_) | Self::Rotations(_) | Self::Turns(_) => (4, "VEC4"),
         }
     }
 
@@ -295,12 +293,16 @@ impl Data<'_> {
         }
     }
 
-    /// What the array is for; instances are not for the vertex pipeline.
+    /// What the array is for; instances and animations are not for the vertex pipeline.
     fn target(self) -> Option<u32> {
         match self {
             Self::Indices(_) => Some(ELEMENT_ARRAY_BUFFER),
-            Self::Translations(_) | Self::Rotations(_) | Self::Scales(_) => None,
-            Self::Matrices(_) | Self::Times(_) | Self::Turns(_) => None,
+            Self::Translations(_)
+            | Self::Rotations(_)
+            | Self::Scales(_)
+            | Self::Matrices(_)
+            | Self::Times(_)
+            | Self::Turns(_) => None,
             _ => Some(ARRAY_BUFFER),
         }
     }

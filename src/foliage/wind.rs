@@ -85,7 +85,7 @@ impl Leaves {
         }
         let mut mesh = Mesh::default();
         mesh.positions.reserve(vertices);
-        let tinted = self.instances.iter().any(|leaf| leaf.tint != [1.0; 3]);
+        let tinted = self.instances.iter().any(|leaf| leaf.tint.iter().any(|&channel| channel < 1.0));
         for leaf in &self.instances {
             let first = mesh.positions.len() as u32;
             let (matrix, rotation) = (leaf.matrix(), leaf.rotation_matrix());

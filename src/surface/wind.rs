@@ -110,8 +110,7 @@ impl Wind {
     }
 
     pub(super) fn is_finite(&self) -> bool {
-        let vectors = self.moments.iter().chain(&self.axes);
-        vectors.fold(true, |finite, vector| finite && vector.is_finite()) && self.flutter.is_finite()
+        self.moments.iter().chain(&self.axes).all(|vector| vector.is_finite()) && self.flutter.is_finite()
     }
 }
 

@@ -170,7 +170,7 @@ impl<'a> Document<'a> {
         for placed in self.levels.iter().flatten().filter(|placed| !placed.moves) {
             placed.nodes(&mut nodes);
         }
-        let children = list([first].into_iter().chain(others..1 + nodes.len()), |child| child.to_string());
+        let children = list([first].into_iter().chain(others..=nodes.len()), |child| child.to_string());
         nodes.insert(0, format!(r#"{{"name":{},"children":[{children}]}}"#, escaped(&options.name)));
         nodes
     }

@@ -11,8 +11,8 @@ const KEYS: usize = 81;
 /// A breeze as an animation: a skeleton of few bones that sways for 8 seconds and begins again without a seam.
 ///
 /// Meshes with [`Wind`] move: tubes, closed meshes, and leaves through [`Leaves::mesh_in_wind`](crate::foliage::Leaves::mesh_in_wind).
-/// Instances stand still, since glTF cannot bend them. Small branches go with the bone of what bears them, and no junction
-/// opens. 24 bytes a vertex and 1.3 KB a bone.
+/// Instances stand still, since glTF cannot bend them. Small branches go with the bone of their parent branch, and every branch base
+/// has the weights of the place on its parent branch, so that both move together. 24 bytes a vertex and 1.3 KB a bone.
 ///
 /// ```
 /// use treesynth::export::{self, Breeze, GlbOptions};
@@ -62,12 +62,15 @@ impl Breeze {
     }
 }
 
+/// A mesh, and its vertices' bones and weights.
+type Skinned<'a> = (&'a Mesh, Vec<[u16; 4]>, Vec<Vec4>);
+
 /// All that a file has of a breeze.
 #[derive(Debug)]
 pub(super) struct Skins<'a> {
     pub(super) rig: Rig,
-    /// For each mesh that moves its vertices' bones and weights.
-    meshes: Vec<(&'a Mesh, Vec<[u16; 4]>, Vec<Vec4>)>,
+    /// All that move.
+    meshes: Vec<Skinned<'a>>,
     pub(super) inverses: Vec<[f32; 16]>,
     pub(super) times: Vec<f32>,
     /// For each bone but the first, which stands still.
@@ -79,12 +82,12 @@ impl<'a> Skins<'a> {
         breeze.check()?;
         let nodes = breeze.skeleton.len();
         let rig = Rig::of(&breeze.skeleton, &breeze.sway, breeze.bones);
-        let mut meshes: Vec<(&Mesh, _, _)> = Vec::new();
+        let mut meshes: Vec<Skinned<'_>> = Vec::new();
         for part in parts.iter().filter(|part| moves(part)) {
             let mesh = part.mesh();
             let last = mesh.wind.iter().map(|wind| wind.node).max().unwrap_or(0);
             let range = "wind of the skeleton that the breeze is of";
-            ParameterError::unless((last as usize) < nodes, "GlbOptions.breeze", &breeze.gust, range)?;
+            ParameterError::unless((last as usize) < nodes, "GlbOptions.breeze", breeze.gust, range)?;
             if !meshes.iter().any(|other| std::ptr::eq(other.0, mesh)) {
                 let (bones, weights) = rig.skin(mesh);
                 meshes.push((mesh, bones, weights));
