@@ -215,12 +215,8 @@ mod tests {
             for most in [2, 9, 64] {
                 let rig = Rig::of(&tree, &sway, most);
                 assert!(rig.joints.len() <= most && rig.joints.len() >= 2);
-                let parents = rig.joints.iter().enumerate().skip(1);
-                assert!(
-                    parents
-                        .map(|(i, joint)| joint.parent.map_or(usize::MAX, usize::from) < i)
-                        .all(|before| before)
-                );
+                let mut parents = rig.joints.iter().enumerate().skip(1);
+                assert!(parents.all(|(i, joint)| joint.parent.map_or(usize::MAX, usize::from) < i));
                 assert_eq!(rig.weights[0][0], (0, 1.0));
                 let mesh = Tubes::default().with_wind(true).mesh(&tree).expect("a mesh");
                 let (bones, weights) = rig.skin(&mesh);
