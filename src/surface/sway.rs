@@ -127,10 +127,12 @@ impl Sway {
                 let way = positions[node] - positions[before];
                 let length = way.length();
                 let free = (length - within).max(0.0);
-                within -= length - free;
+                // Rounding is to leave no wood that is less than not there.
+                within = (within - (length - free)).max(0.0);
                 let bounded = |turn: f32| turn * MOST[level] / (turn + MOST[level]);
                 let earlier = bounded(turn);
-                turn += free * STRAIN / skeleton.radii()[node].max(thinnest);
+                // Bounded, for radii so small that the quotient is infinite or none.
+                turn = (turn + free * STRAIN / skeleton.radii()[node].max(thinnest)).min(1e6);
                 let mut bend = sway.bends[before].moved_to(positions[node]);
                 if free > 0.0 {
                     let more = bounded(turn) - earlier;

@@ -294,6 +294,19 @@ fn wind_tells_branches_apart_and_leaves_the_ground() {
 }
 
 #[test]
+fn wind_of_internodes_without_length_is_finite() {
+    // Lengths of which rounding may leave a little less than nothing, and then no length at all.
+    for i in 0..200 {
+        let far = Vec3::X * (100.0 + i as f32 * 0.037);
+        let skeleton =
+            Skeleton::new(vec![Vec3::ZERO, Vec3::Y, far, far], vec![None, Some(0), Some(0), Some(2)]);
+        let skeleton = skeleton.and_then(|s| s.with_radii(vec![0.7, 0.6, 0.508 + i as f32 * 0.001, 1e-6]));
+        let skeleton = skeleton.and_then(|s| s.with_orders(vec![0, 0, 1, 1])).expect("sound");
+        assert_eq!(mesh_with(&Tubes::default().with_wind(true), &skeleton).check(), Ok(()));
+    }
+}
+
+#[test]
 fn an_error_is_kept() {
     // An arc of a circle of radius 1 m, so fine that it counts as smooth.
     let points: Vec<_> = (0..200)
