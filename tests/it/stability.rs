@@ -231,7 +231,7 @@ fn tubes_are_the_same_as_ever() {
     let tree = presets::by_name("figure-18").expect("a preset").synth(30_000).synthesize(1).expect("a tree");
     let tree = tree.relaxed(0.5, 3).expect("sound options");
     let kinds = [
-        (Tubes::default().with_closed_base(true).with_wind(true), 0x2cda_5177_2bb6_278c),
+        (Tubes::default().with_closed_base(true).with_wind(true), 0x04ea_d069_4ca9_8a44),
         (Tubes::default().with_error(0.002), 0x4a6b_9263_0059_adb2),
     ];
     for (tubes, pinned) in kinds {
