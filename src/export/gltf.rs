@@ -5,13 +5,19 @@
 //! <https://registry.khronos.org/glTF/specs/2.0/glTF-2.0.html>; the numbers below are its constants.
 
 mod document;
+mod skin;
+mod wind;
 
 use super::{ExportError, check_parts};
 use crate::ParameterError;
 use crate::surface::{Instance, Material, Mesh, Part, Wind};
 use document::Document;
 use glam::{Vec2, Vec3, Vec4};
+pub use skin::Breeze;
+use skin::Skins;
 use std::io::{self, Write};
+use wind::Column;
+pub use wind::WindEncoding;
 
 /// `glTF`, `JSON` and `BIN\0` as little-endian numbers.
 const MAGIC: u32 = 0x4654_6C67;
@@ -21,6 +27,7 @@ const VERSION: u32 = 2;
 
 const FLOAT: u32 = 5126;
 const UNSIGNED_INT: u32 = 5125;
+const UNSIGNED_SHORT: u32 = 5123;
 const ARRAY_BUFFER: u32 = 34962;
 const ELEMENT_ARRAY_BUFFER: u32 = 34963;
 
@@ -43,16 +50,20 @@ pub struct GlbOptions {
     material: Material,
     instancing: Instancing,
     coverages: Vec<f32>,
+    wind: WindEncoding,
+    breeze: Option<Breeze>,
 }
 
 impl Default for GlbOptions {
-    /// Named `tree`, [`Material::bark`], [`Instancing::Extension`], no screen coverages.
+    /// Named `tree`, [`Material::bark`], [`Instancing::Extension`], no screen coverages, [`WindEncoding::Attributes`], no breeze.
     fn default() -> Self {
         Self {
             name: "tree".into(),
             material: Material::bark(),
             instancing: Instancing::default(),
             coverages: Vec::new(),
+            wind: WindEncoding::default(),
+            breeze: None,
         }
     }
 }
@@ -83,6 +94,18 @@ impl GlbOptions {
         self
     }
 
+    /// How the [`Wind`] of vertices is written, if they have it; default [`WindEncoding::Attributes`].
+    pub fn with_wind(mut self, encoding: WindEncoding) -> Self {
+        self.wind = encoding;
+        self
+    }
+
+    /// Bones and an animation of a breeze for the parts that have [`Wind`], in a file of one level; default none.
+    pub fn with_breeze(mut self, breeze: Breeze) -> Self {
+        self.breeze = Some(breeze);
+        self
+    }
+
     fn check(&self, levels: usize) -> Result<(), ParameterError> {
         self.material.check()?;
         let coverages = &self.coverages;
@@ -90,14 +113,15 @@ impl GlbOptions {
             || coverages.len() == levels
                 && coverages.iter().all(|coverage| (0.0..=1.0).contains(coverage))
                 && coverages.is_sorted_by(|a, b| a > b);
+        let still = self.breeze.is_none() || levels == 1;
+        ParameterError::unless(still, "GlbOptions.breeze", levels, "in a file of one level")?;
         let range = "falling numbers from 1 to 0, one a level, or none";
         ParameterError::unless(holds, "GlbOptions.coverages", coverages, range)
     }
 }
 
 /// Writes `mesh` as a glTF 2.0 binary file: positions, normals, indices, and whatever else the vertices have: tangents,
-/// texture coordinates (`TEXCOORD_0`), colours (`COLOR_0`), and of [`Wind`] the custom attributes
-/// `_WIND_PIVOT` (VEC3, metres) and `_WIND` (VEC3: level, phase, stiffness).
+/// texture coordinates (`TEXCOORD_0`), colours (`COLOR_0`), and [`Wind`] by the [encoding](WindEncoding) asked for.
 ///
 /// glTF's axes and unit are this crate's (right-handed, +Y up, metres), so nothing is converted and every number
 /// comes back as it is. The same mesh and options give the same bytes. O(vertices + triangles) time, O(1) memory.
@@ -161,7 +185,9 @@ pub fn write_glb_levels<'a>(
 ) -> Result<(), ExportError> {
     options.check(levels.len())?;
     levels.iter().try_for_each(|level| check_parts(level.as_ref()))?;
-    let document = Document::new(levels, options).ok_or(ExportError::EmptyMesh)?;
+    let parts = levels.first().map_or(&[][..], |level| level.as_ref());
+    let skins = options.breeze.as_ref().map(|breeze| Skins::new(breeze, parts)).transpose()?;
+    let document = Document::new(levels, options, skins.as_ref()).ok_or(ExportError::EmptyMesh)?;
     let mut json = document.json(options).into_bytes();
     json.resize(json.len().next_multiple_of(4), b' ');
     let bytes = 12 + 8 + json.len() as u64 + 8 + document.bytes();
@@ -187,20 +213,19 @@ pub fn write_glb_levels<'a>(
 }
 
 /// The vertex attributes of a mesh, positions first.
-fn attributes(mesh: &Mesh) -> Vec<(&'static str, Data<'_>)> {
+fn attributes<'a>(mesh: &'a Mesh, options: &GlbOptions) -> Vec<(&'static str, Data<'a>)> {
     let mut attributes =
         vec![("POSITION", Data::Vec3(&mesh.positions)), ("NORMAL", Data::Vec3(&mesh.normals))];
     for (name, data) in [
         ("TANGENT", Data::Vec4(&mesh.tangents)),
         ("TEXCOORD_0", Data::Vec2(&mesh.uvs)),
         ("COLOR_0", Data::Colors(&mesh.colors)),
-        ("_WIND_PIVOT", Data::WindPivots(&mesh.wind)),
-        ("_WIND", Data::Wind(&mesh.wind)),
     ] {
         if data.count() > 0 {
             attributes.push((name, data));
         }
     }
+    attributes.extend(wind::attributes(mesh, options.wind));
     attributes
 }
 
@@ -211,8 +236,11 @@ enum Data<'a> {
     Vec3(&'a [Vec3]),
     Vec4(&'a [Vec4]),
     Colors(&'a [[f32; 3]]),
-    WindPivots(&'a [Wind]),
-    Wind(&'a [Wind]),
+    Wind(&'a [Wind], Column),
+    Bones(&'a [[u16; 4]]),
+    Matrices(&'a [[f32; 16]]),
+    Times(&'a [f32]),
+    Turns(&'a [Vec4]),
     Indices(&'a [u32]),
     Translations(&'a [Instance]),
     Rotations(&'a [Instance]),
@@ -224,9 +252,12 @@ impl Data<'_> {
         match self {
             Self::Vec2(array) => array.len(),
             Self::Vec3(array) => array.len(),
-            Self::Vec4(array) => array.len(),
+            Self::Vec4(array) | Self::Turns(array) => array.len(),
             Self::Colors(array) => array.len(),
-            Self::WindPivots(array) | Self::Wind(array) => array.len(),
+            Self::Wind(array, _) => array.len(),
+            Self::Bones(array) => array.len(),
+            Self::Matrices(array) => array.len(),
+            Self::Times(array) => array.len(),
             Self::Indices(array) => array.len(),
             Self::Translations(array) | Self::Rotations(array) | Self::Scales(array) => array.len(),
         }
@@ -235,15 +266,18 @@ impl Data<'_> {
     /// Words of four bytes an element, and what glTF calls that.
     fn kind(self) -> (u64, &'static str) {
         match self {
-            Self::Indices(_) => (1, "SCALAR"),
+            Self::Wind(_, column) => match column.words() {
+                1 => (1, "SCALAR"),
+                2 => (2, "VEC2"),
+                _ => (3, "VEC3"),
+            },
+            Self::Indices(_) | Self::Times(_) => (1, "SCALAR"),
+            // Four numbers of two bytes.
+            Self::Bones(_) => (2, "VEC4"),
+            Self::Matrices(_) => (16, "MAT4"),
             Self::Vec2(_) => (2, "VEC2"),
-            Self::Vec3(_)
-            | Self::Colors(_)
-            | Self::WindPivots(_)
-            | Self::Wind(_)
-            | Self::Translations(_)
-            | Self::Scales(_) => (3, "VEC3"),
-            Self::Vec4(_) | Self::Rotations(_) => (4, "VEC4"),
+            Self::Vec3(_) | Self::Colors(_) | Self::Translations(_) | Self::Scales(_) => (3, "VEC3"),
+            Self::Vec4(_) | Self::Rotations(_) | Self::Turns(_) => (4, "VEC4"),
         }
     }
 
@@ -252,14 +286,23 @@ impl Data<'_> {
     }
 
     fn component(self) -> u32 {
-        if matches!(self, Self::Indices(_)) { UNSIGNED_INT } else { FLOAT }
+        match self {
+            Self::Indices(_) => UNSIGNED_INT,
+            Self::Bones(_) => UNSIGNED_SHORT,
+            _ => FLOAT,
+        }
     }
 
-    /// What the array is for; instances are not for the vertex pipeline.
+    /// What the array is for; instances and animations are not for the vertex pipeline.
     fn target(self) -> Option<u32> {
         match self {
             Self::Indices(_) => Some(ELEMENT_ARRAY_BUFFER),
-            Self::Translations(_) | Self::Rotations(_) | Self::Scales(_) => None,
+            Self::Translations(_)
+            | Self::Rotations(_)
+            | Self::Scales(_)
+            | Self::Matrices(_)
+            | Self::Times(_)
+            | Self::Turns(_) => None,
             _ => Some(ARRAY_BUFFER),
         }
     }
@@ -271,10 +314,21 @@ impl Data<'_> {
             Self::Vec3(array) => write_all(writer, array, |v| v.to_array().map(floats)),
             Self::Vec4(array) => write_all(writer, array, |v| v.to_array().map(floats)),
             Self::Colors(array) => write_all(writer, array, |color| color.map(floats)),
-            Self::WindPivots(array) => write_all(writer, array, |wind| wind.pivot.to_array().map(floats)),
-            Self::Wind(array) => {
-                write_all(writer, array, |wind| [wind.level, wind.phase, wind.stiffness].map(floats))
-            }
+            Self::Wind(array, column) => match column.words() {
+                1 => write_all(writer, array, |wind| [floats(column.of(wind)[0])]),
+                2 => write_all(writer, array, |wind| {
+                    let [x, y, _] = column.of(wind);
+                    [x, y].map(floats)
+                }),
+                _ => write_all(writer, array, |wind| column.of(wind).map(floats)),
+            },
+            Self::Bones(array) => write_all(writer, array, |&[a, b, c, d]| {
+                let pair = |low: u16, high: u16| (u32::from(low) | u32::from(high) << 16).to_le_bytes();
+                [pair(a, b), pair(c, d)]
+            }),
+            Self::Matrices(array) => write_all(writer, array, |matrix| matrix.map(floats)),
+            Self::Times(array) => write_all(writer, array, |time| [floats(*time)]),
+            Self::Turns(array) => write_all(writer, array, |turn| turn.to_array().map(floats)),
             Self::Indices(array) => write_all(writer, array, |i| [i.to_le_bytes()]),
             Self::Translations(array) => write_all(writer, array, |i| i.position.to_array().map(floats)),
             Self::Rotations(array) => write_all(writer, array, |i| i.rotation.to_array().map(floats)),

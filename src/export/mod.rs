@@ -22,7 +22,7 @@ pub mod stl;
 pub mod svg;
 
 pub use axes::Axes;
-pub use gltf::{GlbOptions, Instancing, write_glb, write_glb_levels, write_glb_parts};
+pub use gltf::{Breeze, GlbOptions, Instancing, WindEncoding, write_glb, write_glb_levels, write_glb_parts};
 #[cfg(feature = "json")]
 pub use json::{ReadError, read_skeleton, write_skeleton};
 pub use obj::{write_mtl, write_obj};

@@ -21,11 +21,16 @@ mod arrangement;
 mod grown;
 mod leaf;
 mod measure;
+mod normals;
 mod place;
+mod shade;
 mod sketch;
+mod wind;
 
 pub use arrangement::Arrangement;
 pub use leaf::Leaf;
+pub use normals::bend_normals;
+pub use wind::LeafWind;
 
 use crate::math::UP;
 use crate::surface::{Instance, Material, Part};

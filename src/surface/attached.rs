@@ -179,6 +179,11 @@ fn tubes(plan: &Plan, options: &Tubes) -> (Vec<Tube>, Mesh) {
 fn gaps(skeleton: &Skeleton, options: &Tubes) -> Vec<Gap> {
     let plan = options.plan(skeleton).expect("a skeleton with a surface");
     let (tubes, mesh) = tubes(&plan, options);
+    gaps_of(&tubes, &mesh)
+}
+
+/// The same of tubes in a mesh.
+fn gaps_of(tubes: &[Tube], mesh: &Mesh) -> Vec<Gap> {
     let mut bodies: Vec<Option<Body>> = tubes.iter().map(|_| None).collect();
     let mut gaps = Vec::new();
     for tube in tubes.iter().filter(|tube| tube.parent.is_some()) {
@@ -186,7 +191,7 @@ fn gaps(skeleton: &Skeleton, options: &Tubes) -> Vec<Gap> {
         for point in &mesh.positions[tube.ring.clone()] {
             let (mut least, mut bearer) = (f64::MAX, tube.parent);
             while let Some(number) = bearer.filter(|_| least > NOTHING) {
-                let body = bodies[number].get_or_insert_with(|| Body::of(&mesh, &tubes[number]));
+                let body = bodies[number].get_or_insert_with(|| Body::of(mesh, &tubes[number]));
                 least = least.min(body.outside(point.as_dvec3()));
                 bearer = tubes[number].parent;
             }
@@ -282,6 +287,62 @@ mod tests {
             Ok(())
         });
         result.expect("no tube floats");
+    }
+
+    /// Times and gusts, the strongest and in different directions.
+    const GUSTS: [(f32, Vec3); 4] = [
+        (0.6, Vec3::X),
+        (1.9, Vec3::new(0.0, 0.0, -1.0)),
+        (4.4, Vec3::new(-0.6, 0.2, 0.77)),
+        (7.3, Vec3::new(0.2, 0.0, 0.1)),
+    ];
+
+    /// By how much the worst gap is wider in the wind than without, in radii of the tube; what rounding makes is none.
+    fn widened(skeleton: &Skeleton, options: &Tubes) -> f64 {
+        let options = options.clone().with_wind(true);
+        let plan = options.plan(skeleton).expect("a skeleton with a surface");
+        let (tubes, mesh) = tubes(&plan, &options);
+        let still = gaps_of(&tubes, &mesh);
+        let mut worst = 0.0f64;
+        for (time, gust) in GUSTS {
+            let blown = mesh.blown(time, gust);
+            for (before, after) in still.iter().zip(gaps_of(&tubes, &blown)) {
+                let more = after.width - before.width - 2.0 * NOTHING;
+                worst = worst.max(more / after.radius.max(1e-9));
+            }
+        }
+        worst
+    }
+
+    #[test]
+    fn no_gust_opens_a_gap() {
+        let mut worst = ("", 0.0);
+        for preset in presets::all() {
+            let tree = preset.synth(3_000).synthesize(preset.seed).expect("a tree");
+            let tree = tree.relaxed(0.5, 3).expect("sound options");
+            for options in
+                [Tubes::default(), Tubes::default().with_error(0.01), Tubes::default().with_error(0.1)]
+            {
+                let more = widened(&tree, &options);
+                println!("{} {:?}: {more}", preset.name, options.error);
+                worst = if more > worst.1 { (preset.name, more) } else { worst };
+            }
+        }
+        assert!(worst.1 <= 0.01, "{worst:?}");
+    }
+
+    #[test]
+    fn no_gust_opens_a_gap_of_any_skeleton() {
+        let config = Config { cases: 300, failure_persistence: None, ..Config::default() };
+        let mut runner = TestRunner::new_with_rng(config, TestRng::deterministic_rng(RngAlgorithm::ChaCha));
+        let result = runner.run(&skeletons(40), |skeleton| {
+            for options in [Tubes::default(), Tubes::default().with_error(0.1)] {
+                let more = if skeleton.segments() > 0 { widened(&skeleton, &options) } else { 0.0 };
+                prop_assert!(more <= 0.01, "{more}");
+            }
+            Ok(())
+        });
+        result.expect("no gap opens");
     }
 
     #[test]

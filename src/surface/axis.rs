@@ -38,11 +38,20 @@ pub(super) struct Station {
     pub(super) normal: Vec3,
     /// How fast the radius grows along the branch, metres a metre; zero until the axis is attached to what bears it.
     pub(super) taper: f32,
+    /// Where it is between the nodes of its branch: the fractional number of a node.
+    pub(super) at: f32,
 }
 
 impl Station {
-    const NONE: Self =
-        Self { position: Vec3::ZERO, radius: 0.0, tangent: Vec3::Y, along: 0.0, normal: Vec3::X, taper: 0.0 };
+    const NONE: Self = Self {
+        position: Vec3::ZERO,
+        radius: 0.0,
+        tangent: Vec3::Y,
+        along: 0.0,
+        normal: Vec3::X,
+        taper: 0.0,
+        at: 0.0,
+    };
 
     /// The station at the part `t` of the straight way to `next`.
     pub(super) fn lerp(&self, next: &Self, t: f32) -> Self {
@@ -54,6 +63,7 @@ impl Station {
             along: self.along + (next.along - self.along) * t,
             normal: parallel_transport(self.tangent, tangent, self.normal),
             taper: 0.0,
+            at: self.at + (next.at - self.at) * t,
         }
     }
 }
@@ -72,7 +82,6 @@ pub(super) struct Axis {
     pub(super) sides: u32,
     /// The number of the branch in [`Skeleton::branches`].
     pub(super) branch: usize,
-    pub(super) order: u16,
     /// The node where this springs from another branch; `None` for the trunk, and after a sharp turn.
     pub(super) bearer: Option<u32>,
     /// The numbers of the axis that it is attached to and of a station there; `None` before it is attached.
@@ -130,7 +139,6 @@ impl Axes {
                         base: axes.stations[first],
                         sides,
                         branch: number,
-                        order: branch.order(),
                         bearer,
                         bearing: None,
                     });
@@ -166,6 +174,8 @@ struct Knot {
     position: Vec3,
     radius: f32,
     node: u32,
+    /// Its number in the branch.
+    number: u32,
     direction: Vec3,
     length: f32,
 }
@@ -201,7 +211,7 @@ impl Sampler<'_> {
                 direction /= length;
             }
             let radius = if radius > finest { self.dropped.widened(radius) } else { 0.0 };
-            self.knots.push(Knot { position, radius, node, direction, length });
+            self.knots.push(Knot { position, radius, node, number: i as u32, direction, length });
         }
     }
 
@@ -255,6 +265,7 @@ impl Sampler<'_> {
             along,
             normal: across(seam, tangent),
             taper: 0.0,
+            at: knots[0].number as f32,
         };
         let first = stations.len();
         stations.push(station);
@@ -288,6 +299,7 @@ impl Sampler<'_> {
                     along: length,
                     normal: parallel_transport(station.tangent, direction, station.normal),
                     taper: 0.0,
+                    at: from.number as f32 + (to.number - from.number) as f32 * t,
                 };
                 stations.push(station);
             }

@@ -61,6 +61,8 @@ pub(super) struct Curves {
     points: [Lanes; 3],
     /// The bearer's normals at the feet and at the inner control points.
     normals: [Lanes; 2],
+    /// Where on the bearer the feet are, and in how many turns from where its rings begin.
+    pub(super) places: [(Place, f32); LANES],
 }
 
 impl Curves {
@@ -73,6 +75,11 @@ impl Curves {
     pub(super) fn normal(&self, t: f32) -> Lanes {
         let [foot, inner] = self.normals;
         inner.lerp(foot, (1.0 - t) * (1.0 - t))
+    }
+
+    /// Where they begin, on the bearer.
+    pub(super) fn feet(&self) -> Lanes {
+        self.points[0]
     }
 
     /// The directions in which they go on, of no particular length.
@@ -184,6 +191,7 @@ impl Inside {
             along: within.along,
             normal: parallel_transport(end.tangent, tangent, end.normal),
             taper: 0.0,
+            at: within.at,
         }
     }
 }
@@ -234,18 +242,21 @@ pub(super) fn curves(axes: &Axes, circles: &Circles, axis: &Axis, curves: &mut V
         let around = outward.dot(tangents.cross(radial));
         let outer = (points + outward).to_array();
         let (mut feet, mut foot_normals) = ([Vec3::ZERO; LANES], [Vec3::ZERO; LANES]);
+        let mut places = [(bearing.base.place, 0.0); LANES];
         for (lane, near) in nears.iter().enumerate() {
             let place = bearing.wood.place(outer[lane], near.place.ring);
             let round = if near.radius > 0.0 { around[lane] / near.radius } else { 0.0 };
             let depth = sunk.min(bearing.deepest(place));
-            (feet[lane], foot_normals[lane]) =
-                bearing.surface(place, (atan2(turned[0][lane], turned[1][lane]) + round) / TAU, depth);
+            let turns = (atan2(turned[0][lane], turned[1][lane]) + round) / TAU;
+            (feet[lane], foot_normals[lane]) = bearing.surface(place, turns, depth);
+            places[lane] = (place, turns);
         }
         let (feet, foot_normals) = (Lanes::of(feet), Lanes::of(foot_normals).normalize_or(|| radial));
         let rim = end_normal * cos + end_binormal * sin;
         curves.push(Curves {
             points: [feet, points, Lanes::splat(end.position) + rim * each(end.radius)],
             normals: [foot_normals, radial - tangents * tapers],
+            places,
         });
     }
 }

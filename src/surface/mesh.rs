@@ -1,6 +1,6 @@
 //! Triangles as plain arrays.
 
-use super::Instance;
+use super::{Instance, Wind};
 use crate::shape::Bounds;
 use glam::{Vec2, Vec3, Vec4};
 
@@ -10,8 +10,8 @@ use glam::{Vec2, Vec3, Vec4};
 /// The fields are public, so that any engine's buffers can be filled from them and any mesh can be put in.
 /// What this crate makes satisfies [`check`](Self::check); what a user puts in is checked where it is used.
 ///
-/// Memory: 24 bytes a vertex, 16 more with tangents, 8 with texture coordinates, 12 with colours, 24 with wind weights; 12
-/// bytes a triangle.
+/// Memory: 24 bytes a vertex, 16 more with tangents, 8 with texture coordinates, 12 with colours, 68 with wind; 12 bytes a
+/// triangle.
 ///
 /// ```
 /// use treesynth::{glam::Vec3, surface::Mesh};
@@ -41,33 +41,6 @@ pub struct Mesh {
     pub wind: Vec<Wind>,
     /// Three vertices a triangle, counter-clockwise seen from outside.
     pub indices: Vec<u32>,
-}
-
-/// How a vertex moves in the wind, as a shader needs it: each branch swings about its pivot, as a whole and by its
-/// own phase, the more the farther from the pivot and the less the stiffer.
-///
-/// ```
-/// use treesynth::{glam::Vec3, surface::Wind};
-///
-/// // One way to use it: where a vertex is at a time, for a wind that blows a limb tip of stiffness 0 so far.
-/// fn blown(wind: &Wind, position: Vec3, time: f32, gust: Vec3) -> Vec3 {
-///     let swing = treesynth::math::sin(std::f32::consts::TAU * (time + wind.phase));
-///     let reach = position.distance(wind.pivot);
-///     position + gust * swing * reach * (1.0 - wind.stiffness)
-/// }
-/// let foot = Wind { pivot: Vec3::ZERO, level: 0.0, phase: 0.0, stiffness: 1.0 };
-/// assert_eq!(blown(&foot, Vec3::X, 0.25, Vec3::Z), Vec3::X);
-/// ```
-#[derive(Debug, Clone, Copy, Default, PartialEq)]
-pub struct Wind {
-    /// Where the branch springs from the one that bears it, metres.
-    pub pivot: Vec3,
-    /// 0 on the trunk, one more on each branch than on the one that bears it.
-    pub level: f32,
-    /// In [0, 1): the same on all of a branch, spread evenly over the branches.
-    pub phase: f32,
-    /// The radius of the branch here as a part of that of the tree's foot, 0 to 1.
-    pub stiffness: f32,
 }
 
 /// Why some arrays are not a mesh.
@@ -126,12 +99,12 @@ pub enum MeshError {
         /// Its tangent.
         tangent: Vec4,
     },
-    /// A wind weight that is NaN or infinite.
-    #[error("vertex {vertex} has the wind weights {wind:?}, but these must be finite")]
+    /// A vertex whose wind is NaN or infinite.
+    #[error("vertex {vertex} has the wind {wind:?}, but this must be finite")]
     Wind {
         /// The vertex.
         vertex: usize,
-        /// Its weights.
+        /// What the wind does to it.
         wind: Wind,
     },
     /// A colour with a channel that is not in 0 to 1.
@@ -260,8 +233,7 @@ impl Mesh {
         if let Some(vertex) = self.tangents.iter().zip(&self.normals).position(|pair| !sound(pair)) {
             return Err(MeshError::Tangent { vertex, tangent: self.tangents[vertex] });
         }
-        let finite = |wind: &Wind| wind.pivot.extend(wind.level + wind.phase + wind.stiffness).is_finite();
-        if let Some(vertex) = self.wind.iter().position(|wind| !finite(wind)) {
+        if let Some(vertex) = self.wind.iter().position(|wind| !wind.is_finite()) {
             return Err(MeshError::Wind { vertex, wind: self.wind[vertex] });
         }
         let sound = |color: &[f32; 3]| color.iter().all(|channel| (0.0..=1.0).contains(channel));

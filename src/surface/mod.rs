@@ -7,10 +7,11 @@
 //! | [`Implicit`] | one closed, watertight mesh of the whole tree, its branches blended into each other |
 //! | [`blob`] | any solid of primitives and operators, a `BlobTree`; [`Skin`](blob::Skin): a tree's, with scars and ridges that age |
 //! | [`Polygonizer`] | one closed mesh of any [`BlobTree`](blob::BlobTree), with its colours |
+//! | [`Sway`] | how a tree bends: what the wind does to each vertex of any mesh |
 //! | [`Capsules`] | branches as [`Capsule`]s, for collisions |
 //!
 //! [`Skeleton::relaxed`](crate::Skeleton::relaxed) takes the kinks out of a skeleton first. Meshes are plain arrays, [`Mesh`], with
-//! [`Wind`] weights where they are wanted. A [`Part`] is a mesh with its [`Material`], once or at many places
+//! [`Wind`] where it is wanted. A [`Part`] is a mesh with its [`Material`], once or at many places
 //! ([`Instance`]), with [`Textures`](crate::texture::Textures) if it has any: what is written and drawn.
 
 mod attach;
@@ -22,16 +23,20 @@ mod capsule;
 mod circle;
 mod collar;
 mod implicit;
+mod internodes;
 mod lanes;
 mod level;
 mod material;
 mod mesh;
 mod part;
+mod rig;
 #[cfg(test)]
 mod sample;
 mod simplify;
+mod sway;
 mod tube;
 mod weave;
+mod wind;
 mod wood;
 
 pub use capsule::{Capsule, Capsules};
@@ -40,9 +45,13 @@ pub use implicit::{Implicit, Polygonizer};
 pub(crate) use implicit::{solid, span};
 pub use level::{Level, Levels};
 pub use material::Material;
-pub use mesh::{Mesh, MeshError, Wind};
+pub use mesh::{Mesh, MeshError};
 pub use part::{Instance, Part};
+pub(crate) use rig::Rig;
+pub use sway::Sway;
 pub use tube::Tubes;
+pub(crate) use wind::Air;
+pub use wind::Wind;
 
 use crate::ParameterError;
 use glam::Vec3;

@@ -2,7 +2,7 @@
 
 use super::axis::Axes;
 use super::weave::Plan;
-use super::{Mesh, SurfaceError};
+use super::{Mesh, SurfaceError, Sway};
 use crate::math;
 use crate::skeleton::Branches;
 use crate::{ParameterError, Skeleton};
@@ -60,7 +60,7 @@ pub struct Tubes {
 
 impl Default for Tubes {
     /// 12 sides on the thickest branch, 4 on the thinnest, a ring every 20°, no error asked for; collars, a root flare
-    /// of 0.5, open at the base; squares of bark of 0.25 m; no wind weights.
+    /// of 0.5, open at the base; squares of bark of 0.25 m; no wind.
     fn default() -> Self {
         Self {
             sides: 12,
@@ -140,7 +140,8 @@ impl Tubes {
         self
     }
 
-    /// Whether vertices have [`Wind`](super::Wind) weights; default false.
+    /// Whether vertices have [`Wind`](super::Wind), so that they move with the skeleton's [`Sway`]; default false. Junctions
+    /// stay closed at every gust, in every [level](super::Levels).
     pub fn with_wind(mut self, wind: bool) -> Self {
         self.wind = wind;
         self
@@ -159,7 +160,8 @@ impl Tubes {
     pub(super) fn plan(&self, skeleton: &Skeleton) -> Result<Plan, SurfaceError> {
         self.check()?;
         let axes = if skeleton.segments() == 0 { Axes::default() } else { Axes::of(skeleton, self)? };
-        let plan = Plan::new(axes, self);
+        let sway = if self.wind && skeleton.segments() > 0 { Some(Sway::of(skeleton)?) } else { None };
+        let plan = Plan::new(axes, sway, self);
         let vertices = plan.vertices;
         if vertices > u32::MAX as usize { Err(SurfaceError::TooLarge { vertices }) } else { Ok(plan) }
     }

@@ -6,27 +6,29 @@ use super::circle::{Circle, Circles};
 use super::collar::{self, Curves};
 use super::lanes::{LANES, Lanes};
 use super::mesh::has_area;
-use super::{Mesh, Tubes, Wind};
+use super::sway::Bend;
+use super::wood::Place;
+use super::{Mesh, Sway, Tubes, Wind};
 use crate::math::perpendicular;
 use glam::{Vec2, Vec3, Vec4};
 use std::f32::consts::{FRAC_1_SQRT_2, TAU};
 
 /// The last component of every tangent: the texture's v runs along the branch, glTF's bitangent against v.
 const HANDEDNESS: f32 = -1.0;
-/// By so much do the phases of successive branches differ, so that any number of them is spread evenly.
-const GOLDEN_RATIO: f64 = 0.618_033_988_749_895;
 
 /// All that is known before the first vertex.
 #[derive(Debug)]
 pub(super) struct Plan {
     pub(super) axes: Axes,
+    /// How it bends, if that is wanted.
+    sway: Option<Sway>,
     /// At most so many vertices and triangles will be made.
     pub(super) vertices: usize,
     pub(super) triangles: usize,
 }
 
 impl Plan {
-    pub(super) fn new(mut axes: Axes, options: &Tubes) -> Self {
+    pub(super) fn new(mut axes: Axes, sway: Option<Sway>, options: &Tubes) -> Self {
         axes.attach(options);
         let (mut vertices, mut triangles) = (0, 0);
         for axis in &axes.all {
@@ -40,7 +42,7 @@ impl Plan {
                 triangles += sides;
             }
         }
-        Self { axes, vertices, triangles }
+        Self { axes, sway, vertices, triangles }
     }
 
     pub(super) fn weave(&self, options: &Tubes) -> Mesh {
@@ -56,7 +58,7 @@ impl Plan {
         mesh.normals.reserve(vertices);
         mesh.tangents.reserve(vertices);
         mesh.uvs.reserve(vertices);
-        if options.wind {
+        if self.sway.is_some() {
             mesh.wind.reserve(self.vertices);
         }
         mesh.indices.reserve(self.triangles * 3);
@@ -71,22 +73,24 @@ impl Plan {
             line: &[],
             curves: Vec::new(),
             round: Round::default(),
-            wind: None,
-            foot: self.axes.all.first().map_or(1.0, |trunk| trunk.base.radius),
+            bends: Vec::new(),
+            feet: Vec::new(),
+            blower: None,
         };
-        for axis in &self.axes.all {
+        let mut swung = self.sway.as_ref().map(|sway| Swung::new(sway, &self.axes));
+        for (number, axis) in self.axes.all.iter().enumerate() {
             weaver.line = &self.axes.stations[axis.stations.clone()];
             weaver.circle = circles.of(axis.sides);
             let first = axis.base;
             weaver.tiles = (TAU * first.radius.max(weaver.line[0].radius) / options.tile).round().max(1.0);
             weaver.step = weaver.tiles / axis.sides as f32;
             collar::curves(&self.axes, &circles, axis, &mut weaver.curves);
-            weaver.wind = options.wind.then_some(Wind {
-                pivot: first.position,
-                level: f32::from(axis.order),
-                phase: (axis.branch as f64 * GOLDEN_RATIO).fract() as f32,
-                stiffness: 1.0,
-            });
+            if let Some(swung) = &mut swung {
+                swung.swing(number);
+                weaver.bends = swung.bends[axis.stations.clone()].to_vec();
+                weaver.feet = swung.feet(&circles, axis, &weaver.curves, &weaver.bends[0]);
+                weaver.blower = Some((swung.sway, axis.branch));
+            }
             weaver.weave();
             woven(axis, &weaver.mesh);
         }
@@ -154,10 +158,12 @@ struct Weaver<'a> {
     curves: Vec<Curves>,
     /// The points of one ring of it.
     round: Round,
-    /// The weights of its vertices, if they are wanted.
-    wind: Option<Wind>,
-    /// The radius that is stiffest, metres.
-    foot: f32,
+    /// How its level rings bend; none if that is not wanted.
+    bends: Vec<Bend>,
+    /// Of the feet of its collar the moments that they have from the bearer's triangles besides those of its first level
+    /// ring, and the bearer's node.
+    feet: Vec<([Vec3; 3], u32)>,
+    blower: Option<(&'a Sway, usize)>,
 }
 
 impl Weaver<'_> {
@@ -170,26 +176,28 @@ impl Weaver<'_> {
         if !self.curves.is_empty() {
             let blends = blends(self.sides());
             for blend in 0..=blends {
-                let ring = self.collar(blend as f32 / (blends + 1) as f32);
-                self.go_on(&mut before, ring, self.line[0].radius);
+                let t = blend as f32 / (blends + 1) as f32;
+                let ring = self.collar(t);
+                self.go_on(&mut before, ring, 0, Some(t));
             }
         }
         for i in 0..self.line.len() {
             let ring = self.level(i);
-            self.go_on(&mut before, ring, self.line[i].radius);
+            self.go_on(&mut before, ring, i, None);
         }
         if let Some(ring @ Ring::Circle(_)) = before {
             self.tip(ring);
         }
     }
 
-    fn go_on(&mut self, before: &mut Option<Ring>, ring: Ring, radius: f32) {
+    /// Joins a ring to the one before. It bends as a level ring does; at a part of the collar, as its feet do besides.
+    fn go_on(&mut self, before: &mut Option<Ring>, ring: Ring, level: usize, part: Option<f32>) {
+        self.blow(level, part);
         match *before {
             None => self.base(ring),
             Some(before) => self.join(before, ring),
         }
         *before = Some(ring);
-        self.blow(radius);
     }
 
     fn level(&mut self, i: usize) -> Ring {
@@ -305,7 +313,7 @@ impl Weaver<'_> {
         let apex = last.position + last.tangent * last.radius;
         let apex = self.point(apex, last.tangent, last.normal, last.along + last.radius);
         self.join(ring, apex);
-        self.blow(last.radius);
+        self.blow(self.line.len() - 1, None);
     }
 
     /// The flat cap of a tube that starts with a circle; its vertices are its own, for the edge is sharp.
@@ -325,6 +333,16 @@ impl Weaver<'_> {
         }
         for k in center + 1..=center + self.sides() {
             self.triangle(center, k + 1, k);
+        }
+        if self.blower.is_some() {
+            let rim = first..center as usize;
+            let part = 1.0 / self.sides() as f32;
+            let mean = |level: usize| {
+                self.mesh.wind[rim.clone()][1..].iter().map(|wind| wind.moments[level] * part).sum()
+            };
+            let middle = Wind { moments: [0, 1, 2].map(mean), ..self.mesh.wind[first] };
+            self.mesh.wind.push(middle);
+            self.mesh.wind.extend_from_within(rim);
         }
     }
 
@@ -364,11 +382,93 @@ impl Weaver<'_> {
         }
     }
 
-    /// Gives the vertices of the latest ring their weights.
-    fn blow(&mut self, radius: f32) {
-        if let Some(wind) = self.wind {
-            let stiffness = (radius / self.foot).min(1.0);
-            self.mesh.wind.resize(self.mesh.positions.len(), Wind { stiffness, ..wind });
+    /// Gives the latest vertices their wind.
+    fn blow(&mut self, level: usize, part: Option<f32>) {
+        let Some((sway, branch)) = self.blower else { return };
+        let bend = self.bends[level];
+        let node = sway.node_at(branch, self.line[level].at);
+        // The feet's share fades smoothly.
+        let fade = part.map_or(0.0, |part| (1.0 - part) * (1.0 - part));
+        let Mesh { positions, wind, .. } = &mut self.mesh;
+        for (i, &position) in positions[wind.len()..].iter().enumerate() {
+            let mut vertex = sway.wind_of(branch as u32, node, bend.moments_of(position));
+            if fade > 0.0 {
+                let (more, bearing) = self.feet[i % (self.circle.corners.len() - 1)];
+                vertex.moments = std::array::from_fn(|level| vertex.moments[level] + more[level] * fade);
+                vertex.node = if fade < 1.0 { node } else { bearing };
+            }
+            wind.push(vertex);
         }
+    }
+}
+
+/// How the stations of all axes bend. A branch moves with the triangles of its bearer, and these are straight between two
+/// rings, while the skeleton between is not.
+struct Swung<'a> {
+    sway: &'a Sway,
+    axes: &'a Axes,
+    /// Of each station.
+    bends: Vec<Bend>,
+    /// By what the moments of each axis differ from the skeleton's.
+    offsets: Vec<[Vec3; 3]>,
+}
+
+impl<'a> Swung<'a> {
+    fn new(sway: &'a Sway, axes: &'a Axes) -> Self {
+        let none = sway.bend_at(0, 0.0);
+        Self { sway, axes, bends: vec![none; axes.stations.len()], offsets: Vec::new() }
+    }
+
+    /// Has an axis swing, its bearer before it.
+    fn swing(&mut self, number: usize) {
+        let axis = &self.axes.all[number];
+        let base = axis.base.position;
+        let goes_on = number > 0 && self.axes.all[number - 1].branch == axis.branch;
+        let offset = match axis.bearing {
+            Some((bearer, ring)) => {
+                let near = self.axes.wood(bearer).near(base, ring);
+                let first = self.axes.all[bearer].wood + near.place.ring;
+                let last = self.axes.all[bearer].stations.end - 1;
+                let bend = self.bends[first].lerp(&self.bends[(first + 1).min(last)], near.place.part);
+                let own = self.sway.bend_at(axis.branch, axis.base.at).moments_of(base);
+                let borne = bend.moments_of(base);
+                std::array::from_fn(|level| borne[level] - own[level])
+            }
+            None if goes_on => self.offsets[number - 1],
+            None => [Vec3::ZERO; 3],
+        };
+        for station in axis.wood..axis.stations.end {
+            let Station { position, at, .. } = self.axes.stations[station];
+            let mut bend = self.sway.bend_at(axis.branch, at).moved_to(position);
+            bend.moments = std::array::from_fn(|level| bend.moments[level] + offset[level]);
+            self.bends[station] = bend;
+        }
+        self.offsets.push(offset);
+    }
+
+    /// Of each foot of an axis' collar the moments that its place on the bearer has besides those of a ring that bends so,
+    /// and the bearer's node there.
+    fn feet(&self, circles: &Circles, axis: &Axis, curves: &[Curves], ring: &Bend) -> Vec<([Vec3; 3], u32)> {
+        let Some((number, _)) = axis.bearing.filter(|_| axis.has_collar) else { return Vec::new() };
+        let (bearer, wood) = (&self.axes.all[number], self.axes.wood(number));
+        let circle = &circles.of(bearer.sides).corners;
+        let bends = &self.bends[bearer.wood..bearer.stations.end];
+        let foot = |(foot, &(place, turns)): (Vec3, &(Place, f32))| {
+            let (mut moments, mut middle, mut angles) = ([Vec3::ZERO; 3], Vec3::ZERO, [0.0; 3]);
+            let mut at = 0.0;
+            for (ring, corner, weight) in wood.corners(circle, place, turns) {
+                let theirs = bends[ring].moments_of(corner);
+                moments = std::array::from_fn(|level| moments[level] + theirs[level] * weight);
+                angles = std::array::from_fn(|level| angles[level] + bends[ring].angles[level] * weight);
+                middle += corner * weight;
+                at += wood.stations[ring].at * weight;
+            }
+            // It is sunk below the triangles.
+            let there = Bend { at: middle, angles, moments }.moments_of(foot);
+            let own = ring.moments_of(foot);
+            (std::array::from_fn(|level| there[level] - own[level]), self.sway.node_at(bearer.branch, at))
+        };
+        let four = |curves: &Curves| curves.feet().to_array().into_iter().zip(curves.places);
+        curves.iter().flat_map(four).map(|(point, place)| foot((point, &place))).collect()
     }
 }

@@ -177,4 +177,25 @@ impl<'a> Wood<'a> {
         let (lower, upper) = (lower - below.tangent * below.taper, upper - above.tangent * above.taper);
         (point - inward, lower.lerp(upper, place.part))
     }
+
+    /// Which points of the rings below and above that point of the triangles lies between, and how much each counts.
+    #[inline]
+    pub(super) fn corners(&self, circle: &[[f32; 2]], place: Place, turns: f32) -> [(usize, Vec3, f32); 3] {
+        let sides = circle.len() - 1;
+        let at = (turns - turns.floor()) * sides as f32;
+        let corner = (at as usize).min(sides - 1);
+        let share = at - corner as f32;
+        let rings = [place.ring, (place.ring + 1).min(self.stations.len() - 1)];
+        let vertex = |above: usize, corner: usize, weight: f32| {
+            let Station { position, radius, tangent, normal, .. } = self.stations[rings[above]];
+            let [cos, sin] = circle[corner];
+            (rings[above], position + (normal * cos + tangent.cross(normal) * sin) * radius, weight)
+        };
+        let part = place.part;
+        if share >= part {
+            [vertex(0, corner, 1.0 - share), vertex(0, corner + 1, share - part), vertex(1, corner + 1, part)]
+        } else {
+            [vertex(1, corner, part - share), vertex(1, corner + 1, share), vertex(0, corner, 1.0 - part)]
+        }
+    }
 }

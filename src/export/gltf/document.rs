@@ -1,5 +1,6 @@
 //! The JSON half of a glTF file.
 
+use super::skin::{Skins, moves};
 use super::{Data, GlbOptions, Instancing, attributes};
 use crate::surface::{Instance, Material, Mesh, Part};
 use std::fmt::Write as _;
@@ -12,6 +13,15 @@ pub(super) struct Document<'a> {
     materials: Vec<(&'a str, Material)>,
     /// What each level shows, the finest first.
     levels: Vec<Vec<Placed<'a>>>,
+    breeze: Option<Breath<'a>>,
+}
+
+/// The bones and their animation, with their arrays.
+struct Breath<'a> {
+    skins: &'a Skins<'a>,
+    inverses: usize,
+    times: usize,
+    turns: Vec<usize>,
 }
 
 /// A mesh of the file: a mesh with a material.
@@ -30,16 +40,33 @@ struct Placed<'a> {
     instances: Option<&'a [Instance]>,
     /// Translation, rotation and scale of the instances, if they are arrays.
     arrays: Option<[usize; 3]>,
+    /// Whether bones move it.
+    moves: bool,
 }
 
 impl<'a> Document<'a> {
     /// `None` if there is no level, or one without a triangle.
-    pub(super) fn new(levels: &[impl AsRef<[Part<'a>]>], options: &GlbOptions) -> Option<Self> {
-        let mut document =
-            Self { arrays: Vec::new(), meshes: Vec::new(), materials: Vec::new(), levels: Vec::new() };
+    pub(super) fn new<'b: 'a>(
+        levels: &[impl AsRef<[Part<'b>]>],
+        options: &GlbOptions,
+        skins: Option<&'a Skins<'a>>,
+    ) -> Option<Self> {
+        let mut document = Self {
+            arrays: Vec::new(),
+            meshes: Vec::new(),
+            materials: Vec::new(),
+            levels: Vec::new(),
+            breeze: None,
+        };
+        document.breeze = skins.map(|skins| Breath {
+            skins,
+            inverses: document.array(Data::Matrices(&skins.inverses)),
+            times: document.array(Data::Times(&skins.times)),
+            turns: skins.turns.iter().map(|turns| document.array(Data::Turns(turns))).collect(),
+        });
         for level in levels {
             let seen = level.as_ref().iter().filter(|part| part.triangles() > 0);
-            let level: Vec<_> = seen.map(|part| document.placed(part, options.instancing)).collect();
+            let level: Vec<_> = seen.map(|part| document.placed(part, options)).collect();
             if level.is_empty() {
                 return None;
             }
@@ -48,14 +75,15 @@ impl<'a> Document<'a> {
         (!document.levels.is_empty()).then_some(document)
     }
 
-    fn placed(&mut self, part: &Part<'a>, instancing: Instancing) -> Placed<'a> {
-        let mesh = self.mesh(part);
+    fn placed(&mut self, part: &Part<'a>, options: &GlbOptions) -> Placed<'a> {
+        let mesh = self.mesh(part, options);
         let instances = part.instances();
-        let arrays = instances.filter(|_| instancing == Instancing::Extension).map(|instances| {
+        let arrays = instances.filter(|_| options.instancing == Instancing::Extension).map(|instances| {
             [Data::Translations(instances), Data::Rotations(instances), Data::Scales(instances)]
                 .map(|data| self.array(data))
         });
-        Placed { name: part.name(), mesh, instances, arrays }
+        let moves = self.breeze.is_some() && moves(part);
+        Placed { name: part.name(), mesh, instances, arrays, moves }
     }
 
     fn array(&mut self, data: Data<'a>) -> usize {
@@ -63,7 +91,7 @@ impl<'a> Document<'a> {
         self.arrays.len() - 1
     }
 
-    fn mesh(&mut self, part: &Part<'a>) -> usize {
+    fn mesh(&mut self, part: &Part<'a>, options: &GlbOptions) -> usize {
         let (name, mesh) = (part.name(), part.mesh());
         let look = (name, part.material());
         let material = self.materials.iter().position(|other| *other == look).unwrap_or_else(|| {
@@ -74,7 +102,9 @@ impl<'a> Document<'a> {
         if let Some(index) = self.meshes.iter().position(same) {
             return index;
         }
-        let attributes = attributes(mesh).into_iter().map(|(name, data)| (name, self.array(data))).collect();
+        let skin = self.breeze.as_ref().and_then(|breeze| breeze.skins.attributes(mesh));
+        let all = attributes(mesh, options).into_iter().chain(skin.into_iter().flatten());
+        let attributes = all.map(|(name, data)| (name, self.array(data))).collect();
         let indices = self.array(Data::Indices(&mesh.indices));
         self.meshes.push(MeshEntry { name, mesh, material, attributes, indices });
         self.meshes.len() - 1
@@ -98,13 +128,15 @@ impl<'a> Document<'a> {
         format!(
             concat!(
                 r#"{{"asset":{{"version":"2.0","generator":"treesynth {version}"}},{used}"#,
-                r#""scene":0,"scenes":[{{"nodes":[0]}}],"nodes":[{nodes}],"meshes":[{meshes}],"#,
+                r#""scene":0,"scenes":[{{"nodes":[{roots}]}}],"nodes":[{nodes}],{breeze}"meshes":[{meshes}],"#,
                 r#""materials":[{materials}],"accessors":[{accessors}],"bufferViews":[{views}],"#,
                 r#""buffers":[{{"byteLength":{bytes}}}]}}"#,
             ),
             version = env!("CARGO_PKG_VERSION"),
             used = used,
+            roots = list(0..=self.moving(), |root| root.to_string()),
             nodes = self.nodes(options).join(","),
+            breeze = self.breeze.as_ref().map_or(String::new(), |breeze| breeze.json(self.moving() + 1)),
             meshes = list(&self.meshes, mesh),
             materials = list(&self.materials, |(name, look)| material(name, look)),
             accessors = self.accessors(),
@@ -121,8 +153,33 @@ impl<'a> Document<'a> {
             .collect()
     }
 
+    /// The number of nodes that bones move; they follow node 0.
+    fn moving(&self) -> usize {
+        self.levels.iter().flatten().filter(|placed| placed.moves).count()
+    }
+
+    /// The tree, what moves beside it, the bones, and what stands still.
+    fn moving_nodes(&self, breeze: &Breath<'_>, options: &GlbOptions) -> Vec<String> {
+        let mut nodes = Vec::new();
+        for placed in self.levels.iter().flatten().filter(|placed| placed.moves) {
+            nodes.push(format!(r#"{{"name":{},"mesh":{},"skin":0}}"#, escaped(placed.name), placed.mesh));
+        }
+        let first = 1 + nodes.len();
+        breeze.bones(first, &mut nodes);
+        let others = 1 + nodes.len();
+        for placed in self.levels.iter().flatten().filter(|placed| !placed.moves) {
+            placed.nodes(&mut nodes);
+        }
+        let children = list([first].into_iter().chain(others..=nodes.len()), |child| child.to_string());
+        nodes.insert(0, format!(r#"{{"name":{},"children":[{children}]}}"#, escaped(&options.name)));
+        nodes
+    }
+
     /// The levels' nodes first, so that node 0 is the finest; then what hangs on them.
     fn nodes(&self, options: &GlbOptions) -> Vec<String> {
+        if let Some(breeze) = &self.breeze {
+            return self.moving_nodes(breeze, options);
+        }
         let levels = self.levels.len();
         let mut roots = Vec::new();
         let mut others = Vec::new();
@@ -156,6 +213,10 @@ impl<'a> Document<'a> {
 
     fn accessors(&self) -> String {
         let bounds = |index: usize| {
+            if let Data::Times(times) = self.arrays[index] {
+                let [low, high] = [times.first()?, times.last()?].map(|time| numbers(&[*time]));
+                return Some(format!(r#","min":{low},"max":{high}"#));
+            }
             let entry = self.meshes.iter().find(|entry| entry.attributes[0].1 == index)?;
             let bounds = entry.mesh.bounds()?;
             let [low, high] = [bounds.min, bounds.max].map(|corner| numbers(&corner.to_array()));
@@ -180,6 +241,49 @@ impl<'a> Document<'a> {
             let target = data.target().map_or(String::new(), |target| format!(r#","target":{target}"#));
             format!(r#"{{"buffer":0,"byteOffset":{start},"byteLength":{}{target}}}"#, data.bytes())
         })
+    }
+}
+
+impl Breath<'_> {
+    /// The nodes of the bones, the first of which has the number `first`.
+    fn bones(&self, first: usize, nodes: &mut Vec<String>) {
+        let joints = &self.skins.rig.joints;
+        for (number, joint) in joints.iter().enumerate() {
+            let parent = joint.parent.map_or(glam::Vec3::ZERO, |parent| joints[usize::from(parent)].position);
+            let mut node = format!(
+                r#"{{"name":"bone {number}","translation":{}"#,
+                numbers(&(joint.position - parent).to_array())
+            );
+            let borne = (0..joints.len()).filter(|&i| joints[i].parent.map(usize::from) == Some(number));
+            let children = list(borne, |child| (first + child).to_string());
+            if !children.is_empty() {
+                push(&mut node, format_args!(r#","children":[{children}]"#));
+            }
+            nodes.push(node + "}");
+        }
+    }
+
+    /// The skin and the animation.
+    fn json(&self, first: usize) -> String {
+        let joints = self.skins.rig.joints.len();
+        format!(
+            concat!(
+                r#""skins":[{{"inverseBindMatrices":{inverses},"skeleton":{first},"joints":[{joints}]}}],"#,
+                r#""animations":[{{"name":"breeze","channels":[{channels}],"samplers":[{samplers}]}}],"#,
+            ),
+            inverses = self.inverses,
+            first = first,
+            joints = list(first..first + joints, |joint| joint.to_string()),
+            channels = list(1..joints, |bone| format!(
+                r#"{{"sampler":{},"target":{{"node":{},"path":"rotation"}}}}"#,
+                bone - 1,
+                first + bone
+            )),
+            samplers = list(&self.turns, |turns| format!(
+                r#"{{"input":{},"interpolation":"LINEAR","output":{turns}}}"#,
+                self.times
+            )),
+        )
     }
 }
 

@@ -75,9 +75,13 @@ fn everything_comes_back() {
     same("TANGENT", "VEC4", mesh.tangents.iter().flat_map(Vec4::to_array).collect());
     same("TEXCOORD_0", "VEC2", mesh.uvs.iter().flat_map(Vec2::to_array).collect());
     same("COLOR_0", "VEC3", mesh.colors.iter().flatten().copied().collect());
-    same("_WIND_PIVOT", "VEC3", mesh.wind.iter().flat_map(|wind| wind.pivot.to_array()).collect());
-    let weights = mesh.wind.iter().flat_map(|wind| [wind.level, wind.phase, wind.stiffness]);
-    same("_WIND", "VEC3", weights.collect());
+    for (level, name) in ["_WIND_TRUNK", "_WIND_LIMB", "_WIND_TWIG"].into_iter().enumerate() {
+        same(name, "VEC3", mesh.wind.iter().flat_map(|wind| wind.moments[level].to_array()).collect());
+    }
+    for (level, name) in ["_WIND_LIMB_AXIS", "_WIND_TWIG_AXIS"].into_iter().enumerate() {
+        same(name, "VEC3", mesh.wind.iter().flat_map(|wind| wind.axes[level].to_array()).collect());
+    }
+    same("_WIND_FLUTTER", "SCALAR", mesh.wind.iter().map(|wind| wind.flutter).collect());
     assert_eq!(words(&primitive["indices"], mesh.indices.len(), "SCALAR", 34963), mesh.indices);
 
     let position = &accessors[0];

@@ -15,7 +15,7 @@ mod vertex;
 
 pub use polygonizer::Polygonizer;
 
-use super::{Mesh, SurfaceError};
+use super::{Mesh, SurfaceError, Sway};
 use crate::{ParameterError, Skeleton};
 use brick::Bricks;
 use field::Field;
@@ -38,7 +38,7 @@ use solid::Solid;
 /// mostly within a hundredth, and have the field's normals; the same skeleton gives the same bits at any number of threads.
 /// Branches that do not touch make one body without handles, of Euler characteristic 2; a handle appears where
 /// branches touch again, or come nearer than both's blend widths and a voxel. What it does not: there are no texture
-/// coordinates, tangents or wind weights; small features between two voxels' middles may be missed.
+/// coordinates or tangents; small features between two voxels' middles may be missed.
 ///
 /// **Voxels** are as fine as the branches near: an octree of blocks of 4 · 4 · 4 voxels follows them, and neither empty space
 /// nor the inside of limbs is ever looked at. Marching cubes run on the dual of that octree. A branch thinner
@@ -64,6 +64,7 @@ pub struct Implicit {
     blend: f32,
     error: f32,
     most_blocks: usize,
+    wind: bool,
 }
 
 /// A voxel is at least this part of the greatest coordinate, so that 32-bit floats can tell corners of triangles apart.
@@ -74,9 +75,9 @@ const COVERING: f32 = 0.867;
 
 impl Default for Implicit {
     /// Voxels as long as the thinnest twig's radius, and up to a branch's radius elsewhere; blends half a radius wide;
-    /// at most two million blocks.
+    /// at most two million blocks; no wind.
     fn default() -> Self {
-        Self { voxel: None, detail: 1.0, blend: 0.5, error: 0.0, most_blocks: 2_000_000 }
+        Self { voxel: None, detail: 1.0, blend: 0.5, error: 0.0, most_blocks: 2_000_000, wind: false }
     }
 }
 
@@ -117,6 +118,13 @@ impl Implicit {
         self
     }
 
+    /// Whether vertices have [`Wind`](super::Wind): each moves with the internode that it is next to; default false. The
+    /// mesh stays closed however it blows.
+    pub fn with_wind(mut self, wind: bool) -> Self {
+        self.wind = wind;
+        self
+    }
+
     /// The surface. With the feature `parallel`, on rayon's threads.
     ///
     /// # Errors
@@ -125,7 +133,11 @@ impl Implicit {
     pub fn mesh(&self, skeleton: &Skeleton) -> Result<Mesh, SurfaceError> {
         let (field, voxel) = self.field(skeleton)?;
         let finish = if self.error > 0.0 { Finish::Longer(self.error) } else { Finish::Plain };
-        polygonize(&&field, voxel, self.most_blocks, finish)
+        let mut mesh = polygonize(&&field, voxel, self.most_blocks, finish)?;
+        if self.wind {
+            Sway::of(skeleton)?.clothe(&mut mesh);
+        }
+        Ok(mesh)
     }
 
     /// The field, and the side of the finest voxels.

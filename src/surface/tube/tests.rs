@@ -277,16 +277,32 @@ fn the_foot_is_flared_and_level() {
 }
 
 #[test]
-fn a_wind_weight_tells_branch_and_thickness() {
+fn wind_tells_branches_apart_and_leaves_the_ground() {
     let skeleton = fork(0.03, 1.0);
     let mesh = mesh_with(&Tubes::default().with_wind(true).with_root_flare(0.0), &skeleton);
     assert_eq!(mesh.wind.len(), mesh.positions.len());
-    let trunk = mesh.wind.iter().filter(|wind| wind.level == 0.0).count();
-    assert!(mesh.wind[..trunk].iter().all(|wind| wind.pivot == Vec3::ZERO && wind.stiffness >= 1.0));
-    for wind in &mesh.wind[trunk..] {
-        assert_eq!((wind.level, wind.pivot), (1.0, Vec3::Y));
-        assert!((wind.stiffness - 0.3).abs() < 1e-6);
-        assert!((wind.phase - 0.618_034).abs() < 1e-6, "the second branch");
+    let trunk = mesh.wind.iter().take_while(|wind| wind.axes == [Vec3::ZERO; 2]).count();
+    assert!(mesh.wind[..trunk].iter().all(|wind| wind.moments[1..] == [Vec3::ZERO; 2]));
+    assert!(trunk < mesh.wind.len());
+    for (wind, position) in mesh.wind.iter().zip(&mesh.positions) {
+        assert_eq!((wind.flutter, wind.axes[1], wind.moments[2]), (0.0, Vec3::ZERO, Vec3::ZERO));
+        assert!(position.y != 0.0 || wind.moments == [Vec3::ZERO; 3], "the ground moves");
+    }
+    let farthest =
+        |level: usize| mesh.wind.iter().map(|wind| wind.moments[level].length()).fold(0.0, f32::max);
+    assert!(farthest(0) > 0.0 && farthest(1) > 0.0);
+}
+
+#[test]
+fn wind_of_internodes_without_length_is_finite() {
+    // Lengths of which rounding may leave a little less than nothing, and then no length at all.
+    for i in 0..200 {
+        let far = Vec3::X * (100.0 + i as f32 * 0.037);
+        let skeleton =
+            Skeleton::new(vec![Vec3::ZERO, Vec3::Y, far, far], vec![None, Some(0), Some(0), Some(2)]);
+        let skeleton = skeleton.and_then(|s| s.with_radii(vec![0.7, 0.6, 0.508 + i as f32 * 0.001, 1e-6]));
+        let skeleton = skeleton.and_then(|s| s.with_orders(vec![0, 0, 1, 1])).expect("sound");
+        assert_eq!(mesh_with(&Tubes::default().with_wind(true), &skeleton).check(), Ok(()));
     }
 }
 
