@@ -11,7 +11,8 @@
 //!
 //! [`Skeleton::relaxed`](crate::Skeleton::relaxed) takes the kinks out of a skeleton first. Meshes are plain arrays, [`Mesh`], with
 //! [`Wind`] weights where they are wanted. A [`Part`] is a mesh with its [`Material`], once or at many places
-//! ([`Instance`]), with [`Textures`](crate::texture::Textures) if it has any: what is written and drawn.
+//! ([`Instance`]), with [`Textures`](crate::texture::Textures) if it has any: what is written and drawn. A [`Scene`] has many
+//! trees in their places.
 
 mod attach;
 #[cfg(test)]
@@ -29,7 +30,9 @@ mod mesh;
 mod part;
 #[cfg(test)]
 mod sample;
+mod scene;
 mod simplify;
+mod transform;
 mod tube;
 mod weave;
 mod wood;
@@ -42,6 +45,8 @@ pub use level::{Level, Levels};
 pub use material::Material;
 pub use mesh::{Mesh, MeshError, Wind};
 pub use part::{Instance, Part};
+pub use scene::{PlacedAsset, Scene};
+pub use transform::Transform;
 pub use tube::Tubes;
 
 use crate::ParameterError;
