@@ -83,7 +83,7 @@ fn main() {
         outputs.write(&path, |out| Ok(export::write_obj(&levels[0], "tree.mtl", out)?))?;
         let path = outputs.path("tree.mtl");
         outputs.write(&path, |out| Ok(export::write_mtl(&levels[0], out)?))?;
-        let mut images = export::mtl_images(&levels[0]);
+        outputs.write_images(&export::mtl_images(&levels[0]))?;
 
         let seasons = [("summer", &levels[0][..]), ("winter", &levels[0][..1])];
         let centimetres = Axes::default().with_up(UpAxis::Z).with_unit(0.01).with_origin(Vec3::X);
@@ -95,7 +95,7 @@ fn main() {
             ("seasons", UsdStage::of_variants("season", &seasons)),
             ("scene", UsdStage::of_scene(&scene)),
         ] {
-            images.extend(export::usd_images(&stage));
+            outputs.write_images(&export::usd_images(&stage))?;
             for extension in ["usda", "usdz"] {
                 let path = outputs.path(&format!("{name}.{extension}"));
                 outputs.write(&path, |out| match extension {
@@ -103,13 +103,6 @@ fn main() {
                     _ => Ok(export::write_usdz(&stage, out)?),
                 })?;
             }
-        }
-        // The same names are the same images.
-        images.sort_by(|a, b| a.name().cmp(b.name()));
-        images.dedup_by(|a, b| a.name() == b.name());
-        for image in images {
-            let path = outputs.path(image.name());
-            outputs.write(&path, |out| Ok(std::io::Write::write_all(out, &image.png())?))?;
         }
         outputs.finish()?;
 

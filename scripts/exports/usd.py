@@ -5,7 +5,7 @@ import struct
 import sys
 from pathlib import Path
 
-from pxr import Gf, Usd, UsdGeom, UsdShade, UsdUtils
+from pxr import Usd, UsdGeom, UsdShade, UsdValidation
 
 folder = Path(sys.argv[1])
 
@@ -66,10 +66,10 @@ for path in sorted(folder.glob("*.usd[az]")):
         assert seasons.GetVariantNames() == ["summer", "winter"]
         seasons.SetVariantSelection("winter")
         assert 0 < triangles(stage) < found
-    checker = UsdUtils.ComplianceChecker(arkit=False, skipARKitRootLayerCheck=True)
-    checker.CheckCompliance(str(path))
-    for issue in checker.GetErrors() + checker.GetFailedChecks() + checker.GetWarnings():
-        print(f"{path.name}: {issue}", file=sys.stderr)
+    # All rules of usdchecker.
+    rules = UsdValidation.ValidationRegistry().GetOrLoadAllValidators()
+    for issue in UsdValidation.ValidationContext(rules).Validate(Usd.Stage.Open(str(path))):
+        print(f"{path.name}: {issue.GetErrorAsString()}", file=sys.stderr)
         bad += 1
 assert boxes, "no stages"
 assert boxes["axes"] == boxes["parts"], boxes

@@ -46,6 +46,8 @@ pub use usd::{UsdStage, write_usda, write_usdz};
 
 use crate::ParameterError;
 use crate::surface::{MeshError, Part, Scene};
+use std::collections::BTreeMap;
+use std::collections::btree_map::Entry;
 
 /// Why something could not be written.
 #[derive(Debug, thiserror::Error)]
@@ -96,11 +98,24 @@ fn check_parts(parts: &[Part<'_>]) -> Result<(), ExportError> {
     Ok(())
 }
 
-/// Whether there is a triangle, everything is sound, and everything has its place.
+/// Whether there is a triangle, everything is sound, and everything has its place. Each tree is looked at once, wherever it stands.
 fn check_scene(scene: &Scene<'_>) -> Result<(), ExportError> {
+    let mut reaches = BTreeMap::new();
+    let mut triangles = 0;
     for asset in scene.assets() {
         asset.check()?;
+        let (parts, transform) = (asset.parts(), asset.transform());
+        let reach = match reaches.entry((parts.as_ptr(), parts.len())) {
+            Entry::Occupied(known) => *known.get(),
+            Entry::Vacant(new) => {
+                parts.iter().try_for_each(Part::check::<ExportError>)?;
+                triangles += parts.iter().map(Part::triangles).sum::<u64>();
+                *new.insert(parts.iter().map(Part::reach).fold(0.0, f32::max))
+            }
+        };
+        let farthest = transform.position.abs().max_element() + 2.0 * transform.scale * reach;
+        let range = "a place from which the whole tree reaches no point beyond all numbers";
+        ParameterError::unless(farthest.is_finite(), "Scene.transform", transform, range)?;
     }
-    // Each part in its place, since far places may be too far for it.
-    check_parts(&scene.parts())
+    if triangles == 0 { Err(ExportError::EmptyMesh) } else { Ok(()) }
 }

@@ -184,6 +184,14 @@ impl<'a> Part<'a> {
         self.mesh.triangles().len() as u64 * self.copies().len() as u64
     }
 
+    /// No vertex of any copy is farther from the origin along an axis, metres. O(vertices + instances).
+    pub(crate) fn reach(&self) -> f32 {
+        let mesh = self.mesh.positions.iter().map(|p| p.length()).fold(0.0, f32::max);
+        let copies = self.placed();
+        let reaches = copies.iter().map(|copy| copy.position.abs().max_element() + copy.scale * mesh);
+        reaches.fold(0.0, f32::max)
+    }
+
     /// Whether it can be written and drawn. O(vertices + triangles + instances).
     pub(crate) fn check<E: From<ParameterError> + From<MeshError>>(&self) -> Result<(), E> {
         self.material.check()?;
