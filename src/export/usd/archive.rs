@@ -1,5 +1,6 @@
 //! ZIP archives as USD wants them: nothing compressed, each file at a multiple of 64 bytes.
 
+use crate::ParameterError;
 use crate::export::ExportError;
 use std::io::{self, Write};
 
@@ -97,7 +98,7 @@ struct Entry {
 }
 
 impl Archive {
-    /// Of files with these names and sums.
+    /// Of files with these names and sums, at least one.
     pub(super) fn new(files: Vec<(String, Sum)>) -> Result<Self, ExportError> {
         let limit = u64::from(u32::MAX);
         let held = |bytes: u64| u32::try_from(bytes).map_err(|_| ExportError::TooLarge { bytes, limit });
@@ -118,10 +119,9 @@ impl Archive {
         }
         // With its own list at its end.
         held(at + entries.iter().map(|entry| 46 + entry.name.len() as u64).sum::<u64>() + 22)?;
-        ExportError::counted("images", entries.len() as u64)?;
-        if entries.len() > usize::from(u16::MAX) {
-            return Err(ExportError::TooLarge { bytes: entries.len() as u64, limit: u64::from(u16::MAX) });
-        }
+        let images = entries.len() - 1;
+        let range = "at most 65,534, for a ZIP archive counts its files in 16 bits";
+        ParameterError::unless(images < usize::from(u16::MAX), "UsdStage.images", images, range)?;
         Ok(Self { files: entries, list: at as u32 })
     }
 

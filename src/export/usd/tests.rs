@@ -118,7 +118,7 @@ fn sums_are_those_of_zip() {
     assert_eq!(word(end + 16) + word(end + 12), end);
     assert_eq!(word(word(end + 16)), 0x0201_4B50);
     let huge = Archive::new(vec![("a".into(), Sum::of(b"")); 70_000]);
-    assert!(matches!(huge, Err(ExportError::TooLarge { .. })));
+    assert!(matches!(huge, Err(ExportError::Parameter(error)) if error.parameter == "UsdStage.images"));
 }
 
 #[cfg(feature = "texture")]
@@ -147,8 +147,7 @@ fn archives_have_the_images() {
     let mut zip = Vec::new();
     write_usdz(&stage, &mut zip).expect("sound");
     for (name, content) in [("tree.usda", text.as_bytes()), (images[1].name(), &images[1].png())] {
-        let at = zip.windows(name.len()).position(|bytes| bytes == name.as_bytes()).expect("its name");
-        let start = (at + name.len() + 4).next_multiple_of(64);
-        assert_eq!(&zip[start..start + content.len()], content);
+        let at = zip.windows(content.len()).position(|bytes| bytes == content).expect(name);
+        assert_eq!(at % 64, 0, "{name}");
     }
 }
