@@ -1,7 +1,7 @@
 //! Images that lie beside a file, or in an archive with it, under names of their own.
 
 use super::pool::Pool;
-use super::worn::{self, Image};
+use super::worn::{self, Image, Textures};
 use crate::surface::Part;
 use std::borrow::Cow;
 use std::collections::BTreeMap;
@@ -63,7 +63,7 @@ impl Map {
 pub(super) struct Uses<'a> {
     images: Pool<'a, Image>,
     /// By part and map: the image and its name.
-    uses: BTreeMap<(usize, Map), String>,
+    names: BTreeMap<(usize, Map), String>,
     files: Vec<(String, Map, &'a Image)>,
 }
 
@@ -72,7 +72,7 @@ impl<'a> Uses<'a> {
     where
         'a: 'p,
     {
-        let mut all = Self { images: Pool::new(), uses: BTreeMap::new(), files: Vec::new() };
+        let mut all = Self { images: Pool::new(), names: BTreeMap::new(), files: Vec::new() };
         let mut names = BTreeMap::new();
         for (index, part) in parts.into_iter().enumerate() {
             for &map in maps {
@@ -83,7 +83,7 @@ impl<'a> Uses<'a> {
                     all.files.push((name.clone(), map, image));
                     name
                 });
-                all.uses.insert((index, map), name.clone());
+                all.names.insert((index, map), name.clone());
             }
         }
         all
@@ -106,7 +106,7 @@ impl<'a> Uses<'a> {
 
     /// The file of a part's map, if it has one.
     pub(super) fn name(&self, part: usize, map: Map) -> Option<&str> {
-        self.uses.get(&(part, map)).map(String::as_str)
+        self.names.get(&(part, map)).map(String::as_str)
     }
 
     /// All files, each image once.
@@ -121,7 +121,7 @@ impl<'a> Uses<'a> {
 
 /// Whether the image of the colour cuts holes into a part.
 pub(super) fn is_masked(part: &Part<'_>) -> bool {
-    worn::textures(part).is_some_and(|worn| worn.is_masked())
+    worn::textures(part).is_some_and(Textures::is_masked)
 }
 
 /// The second channel as a grey image.

@@ -38,6 +38,11 @@ impl Instance {
         Mat3::from_quat(self.rotation)
     }
 
+    /// Whether its colour differs from that of the mesh.
+    pub fn is_tinted(&self) -> bool {
+        self.tint.map(f32::to_bits) != [1.0_f32; 3].map(f32::to_bits)
+    }
+
     /// The place alone.
     pub fn transform(&self) -> Transform {
         Transform { position: self.position, rotation: self.rotation, scale: self.scale }

@@ -233,8 +233,10 @@ impl Array<'_> {
         match self {
             Self::Vertices(vertices) => vertices.count(),
             Self::Indices { mesh, copies, .. } => mesh.indices.len() as u64 * *copies as u64,
-            Self::Translations(copies, _) | Self::Scales(copies, _) => copies.len() as u64,
-            Self::Rotations(copies) | Self::Tints(copies) => copies.len() as u64,
+            Self::Translations(copies, _)
+            | Self::Scales(copies, _)
+            | Self::Rotations(copies)
+            | Self::Tints(copies) => copies.len() as u64,
             Self::Bytes(bytes) => bytes.len() as u64,
         }
     }

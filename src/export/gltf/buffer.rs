@@ -86,7 +86,7 @@ impl<'a> Buffer<'a> {
             [low.min(corners[0]), high.max(corners[1])]
         });
         let grid = if rounded { Grid::over(low, high) } else { None };
-        let tinted = copies.is_some_and(|copies| copies.iter().any(|copy| copy.tint != [1.0; 3]));
+        let tinted = copies.is_some_and(|copies| copies.iter().any(Instance::is_tinted));
         let within = |uv: &glam::Vec2| (0.0..=1.0).contains(&uv.x) && (0.0..=1.0).contains(&uv.y);
         let mut primitives: Vec<_> =
             (0..blocks).map(|_| Primitive { attributes: Vec::new(), indices: 0 }).collect();
@@ -119,7 +119,9 @@ impl<'a> Buffer<'a> {
         let view = self.view(Array::Indices { mesh, copies: block, short });
         let triangles = mesh.indices.len() as u64;
         let all = self.accessor(view, 0, triangles * block as u64, String::new());
-        primitives.iter_mut().for_each(|primitive| primitive.indices = all);
+        for primitive in &mut primitives {
+            primitive.indices = all;
+        }
         if let (Some(last), rest @ 1..) = (primitives.last_mut(), number % block) {
             last.indices = self.accessor(view, 0, triangles * rest as u64, String::new());
         }

@@ -1,6 +1,6 @@
 //! The JSON half of a glTF file: what is in it, and which node shows what.
 
-use super::array::Array;
+use super::array::{Array, Grid};
 use super::buffer::{Buffer, Geometry};
 use super::look::Looks;
 use super::text::{entry, escaped, list, numbers, push};
@@ -219,7 +219,7 @@ impl<'a> Document<'a> {
 
     /// What takes a rounded mesh back to its size.
     fn scaled(&self, geometry: usize) -> Transform {
-        self.geometries[geometry].grid.map_or(Transform::IDENTITY, |grid| grid.transform())
+        self.geometries[geometry].grid.map_or(Transform::IDENTITY, Grid::transform)
     }
 
     fn instances(&mut self, geometry: usize, copies: &'a [Instance]) -> &[(&'static str, usize)] {
@@ -232,7 +232,7 @@ impl<'a> Document<'a> {
                 ("ROTATION", buffer.whole(Array::Rotations(copies))),
                 ("SCALE", buffer.whole(Array::Scales(copies, grid))),
             ];
-            if copies.iter().any(|copy| copy.tint != [1.0; 3]) {
+            if copies.iter().any(Instance::is_tinted) {
                 accessors.push(("_COLOR_0", buffer.whole(Array::Tints(copies))));
             }
             accessors

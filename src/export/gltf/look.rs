@@ -2,7 +2,7 @@
 
 use super::text::{entry, escaped, numbers, push};
 use crate::export::pool::Pool;
-use crate::export::worn::{self, Image};
+use crate::export::worn::{self, Image, Textures};
 use crate::surface::{Material, Part};
 use std::collections::BTreeMap;
 
@@ -15,7 +15,7 @@ const TINTS: f32 = 32.0;
 /// All materials, and their images.
 #[derive(Debug)]
 pub(super) struct Looks<'a> {
-    looks: Vec<Look<'a>>,
+    all: Vec<Look<'a>>,
     /// Materials for the tints of others.
     tinted: BTreeMap<(usize, [u8; 3]), usize>,
     images: Pool<'a, Image>,
@@ -37,7 +37,7 @@ struct Look<'a> {
 
 impl<'a> Looks<'a> {
     pub(super) fn new() -> Self {
-        Self { looks: Vec::new(), tinted: BTreeMap::new(), images: Pool::new(), names: Vec::new() }
+        Self { all: Vec::new(), tinted: BTreeMap::new(), images: Pool::new(), names: Vec::new() }
     }
 
     /// The material of a part.
@@ -53,32 +53,32 @@ impl<'a> Looks<'a> {
         let look = Look {
             name: part.name(),
             material: part.material(),
-            base_color: image(textures.and_then(|worn| worn.base_color()), "colour"),
-            normal: image(textures.and_then(|worn| worn.normal()), "normal"),
-            surface: image(textures.and_then(|worn| worn.occlusion_roughness_metallic()), "surface"),
-            transmission: image(textures.and_then(|worn| worn.transmission()), "transmission"),
-            cutoff: textures.filter(|worn| worn.is_masked()).and_then(|worn| worn.alpha_cutoff()),
+            base_color: image(textures.and_then(Textures::base_color), "colour"),
+            normal: image(textures.and_then(Textures::normal), "normal"),
+            surface: image(textures.and_then(Textures::occlusion_roughness_metallic), "surface"),
+            transmission: image(textures.and_then(Textures::transmission), "transmission"),
+            cutoff: textures.filter(|worn| worn.is_masked()).and_then(Textures::alpha_cutoff),
         };
         self.index(look)
     }
 
     fn index(&mut self, look: Look<'a>) -> usize {
-        self.looks.iter().position(|other| *other == look).unwrap_or_else(|| {
-            self.looks.push(look);
-            self.looks.len() - 1
+        self.all.iter().position(|other| *other == look).unwrap_or_else(|| {
+            self.all.push(look);
+            self.all.len() - 1
         })
     }
 
     /// A material in the tint of a copy.
     pub(super) fn tinted(&mut self, material: usize, tint: [f32; 3]) -> usize {
-        if tint == [1.0; 3] {
+        if tint.map(f32::to_bits) == [1.0_f32; 3].map(f32::to_bits) {
             return material;
         }
         let steps = tint.map(|channel| (channel * TINTS + 0.5) as u8);
         if let Some(&found) = self.tinted.get(&(material, steps)) {
             return found;
         }
-        let mut look = self.looks[material].clone();
+        let mut look = self.all[material].clone();
         let [a, b, c] = look.material.color();
         let [d, e, f] = steps.map(|step| f32::from(step) / TINTS);
         look.material = look.material.with_color([a * d, b * e, c * f]);
@@ -89,7 +89,7 @@ impl<'a> Looks<'a> {
 
     /// Whether light from behind is spoken of.
     pub(super) fn transmits(&self) -> bool {
-        self.looks.iter().any(|look| look.transmission.is_some())
+        self.all.iter().any(|look| look.transmission.is_some())
     }
 
     /// The images as files, in order.
@@ -99,7 +99,7 @@ impl<'a> Looks<'a> {
 
     /// Materials, and if there are images, these, textures and a sampler; the first image lies in the buffer view `first`.
     pub(super) fn text(&self, first: usize) -> String {
-        let materials = entry("materials", &self.looks, |look| look.text());
+        let materials = entry("materials", &self.all, Look::text);
         if self.names.is_empty() {
             return materials;
         }

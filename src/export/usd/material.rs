@@ -1,8 +1,8 @@
 //! `UsdPreviewSurface` materials.
 
 use crate::export::images::{Map, Uses, is_masked};
-use crate::export::worn;
-use crate::surface::{Material, Part};
+use crate::export::worn::{self, Textures};
+use crate::surface::{Instance, Material, Part};
 use std::io::{self, Write};
 
 /// How a part looks; parts with the same look share a material.
@@ -23,7 +23,7 @@ impl Look {
     /// Of a part, which is that of the number for `uses`.
     pub(super) fn of(part: &Part<'_>, index: usize, uses: &Uses<'_>) -> Self {
         let file = |map| uses.name(index, map).map(str::to_owned);
-        let tinted = part.copies().iter().any(|copy| copy.tint != [1.0; 3]);
+        let tinted = part.copies().iter().any(Instance::is_tinted);
         Self {
             name: part.name().to_owned(),
             material: part.material(),
@@ -31,7 +31,7 @@ impl Look {
             color: file(Map::Color),
             normal: file(Map::Normal),
             surface: file(Map::Surface),
-            cutoff: worn::textures(part).filter(|_| is_masked(part)).and_then(|worn| worn.alpha_cutoff()),
+            cutoff: worn::textures(part).filter(|_| is_masked(part)).and_then(Textures::alpha_cutoff),
         }
     }
 

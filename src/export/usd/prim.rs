@@ -80,7 +80,7 @@ pub(super) fn write(
     })?;
     array(writer, "\nfloat3[] scales", copies, |writer, copy| triple(writer, [copy.scale; 3]))?;
     array(writer, "\nint[] protoIndices", copies, |writer, _| writer.write_all(b"0"))?;
-    let tinted = copies.iter().any(|copy| copy.tint != [1.0; 3]);
+    let tinted = copies.iter().any(Instance::is_tinted);
     if tinted {
         let look = Vec3::from_array(part.material().color());
         array(writer, "\ncolor3f[] primvars:displayColor", copies, |writer, copy| {
