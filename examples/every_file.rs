@@ -17,7 +17,8 @@ use treesynth::texture::{Image, Textures};
 /// Stripes of two colours, the second one cut out if it has alpha.
 fn stripes(light: &[u8], dark: &[u8]) -> Result<Image, Failure> {
     let channels = light.len();
-    let pixels = (0..64 * 64).flat_map(|i| if (i / 8) % 2 == 0 { light.to_vec() } else { dark.to_vec() });
+    let pixels = (0..64 * 64_usize)
+        .flat_map(|i| if (i / 8).is_multiple_of(2) { light.to_vec() } else { dark.to_vec() });
     Ok(Image::new(64, 64, channels as u8, pixels.collect())?)
 }
 

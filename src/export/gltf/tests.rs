@@ -268,7 +268,7 @@ fn crown(leaf: &Mesh, count: usize) -> Vec<Instance> {
         position: Vec3::new(math::sin(i as f32), i as f32 / 3.0, math::cos(i as f32)),
         rotation: glam::Quat::from_xyzw(0.6, 0.0, 0.0, 0.8),
         scale: 0.5,
-        tint: if i % 2 == 0 { [1.0; 3] } else { [1.0, 0.8, 0.2] },
+        tint: if i.is_multiple_of(2) { [1.0; 3] } else { [1.0, 0.8, 0.2] },
         ..Instance::IDENTITY
     };
     assert!(!leaf.is_empty());
