@@ -3,7 +3,7 @@
 mod measure;
 
 use measure::{PRESET, SEED, Samples, count, number, print_table};
-use treesynth::export::{GlbOptions, write_glb_parts};
+use treesynth::export::{GlbOptions, Instancing, write_glb_parts};
 use treesynth::foliage::{Foliage, Leaf};
 use treesynth::presets::TYPICAL_NODES;
 use treesynth::preview::Preview;
@@ -27,9 +27,10 @@ fn main() {
     let leaves = foliage.place(&tree, SEED).expect("the options are sound");
     let bark = Tubes::default().with_sides(8).with_least_sides(8).mesh(&tree).expect("radii are set");
     let parts = [Part::new(&bark).with_material(Material::bark()), leaves.part()];
+    let options = GlbOptions::default().with_instancing(Instancing::Extension);
     let write = |glb: &mut Vec<u8>| {
         glb.clear();
-        write_glb_parts(&parts, &GlbOptions::default(), glb).expect("memory takes everything");
+        write_glb_parts(&parts, &options, glb).expect("memory takes everything");
     };
     let mut glb = Vec::new();
     write(&mut glb);

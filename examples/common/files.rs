@@ -6,6 +6,7 @@ use std::io::{BufWriter, Write};
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, MutexGuard};
 use std::time::{Duration, Instant};
+use treesynth::export::ImageFile;
 
 /// The files that this process is writing under names of their own.
 static UNFINISHED: Mutex<Vec<PathBuf>> = Mutex::new(Vec::new());
@@ -79,6 +80,17 @@ impl Outputs {
             Ok(writer.get_ref().sync_all()?)
         };
         fill().map_err(|error| format!("{}: {error}", path.display()).into())
+    }
+
+    /// Writes the images that a file in the folder names, beside it; one that is there already is the same.
+    pub(crate) fn write_images(&mut self, images: &[ImageFile<'_>]) -> Result<(), Failure> {
+        for image in images {
+            let path = self.path(image.name());
+            if !self.files.iter().any(|(_, other)| *other == path) {
+                self.write(&path, |writer| Ok(writer.write_all(&image.png())?))?;
+            }
+        }
+        Ok(())
     }
 
     /// Gives all files their names.

@@ -47,6 +47,7 @@ pub(crate) fn write(
     if format == "obj" {
         let path = outputs.path(&file("mtl"));
         outputs.write(&path, |writer| Ok(export::write_mtl(parts, writer)?))?;
+        outputs.write_images(&export::mtl_images(parts))?;
     }
     Ok(())
 }

@@ -4,7 +4,8 @@ use crate::ParameterError;
 use crate::shape::UpAxis;
 use glam::Vec3;
 
-/// The axis that points up in a PLY or STL file, and its unit; both formats say neither, and programs have habits.
+/// The axis that points up in a file, its unit, and where its origin is. OBJ, PLY and STL say none of these, and programs have
+/// habits; USD says which. glTF fixes them: +Y up, metres; [`GlbOptions::with_origin`](super::GlbOptions::with_origin) alone is free.
 ///
 /// Blender, slicers and programs for point clouds take +Z as up, slicers take millimetres: `UpAxis::Z` and a unit of 0.001.
 /// The file's header has a note of both.
@@ -27,12 +28,13 @@ use glam::Vec3;
 pub struct Axes {
     up: UpAxis,
     unit: f32,
+    origin: Vec3,
 }
 
 impl Default for Axes {
-    /// +Y up, metres, as everywhere in this crate.
+    /// +Y up, metres, the origin where it is, as everywhere in this crate.
     fn default() -> Self {
-        Self { up: UpAxis::Y, unit: 1.0 }
+        Self { up: UpAxis::Y, unit: 1.0, origin: Vec3::ZERO }
     }
 }
 
@@ -49,9 +51,26 @@ impl Axes {
         self
     }
 
+    /// The point, metres and +Y up, that becomes the file's origin; default zero.
+    pub fn with_origin(mut self, origin: Vec3) -> Self {
+        self.origin = origin;
+        self
+    }
+
     pub(super) fn check(self) -> Result<(), ParameterError> {
         let unit = self.unit;
-        ParameterError::unless((1e-6..=1e6).contains(&unit), "Axes.unit", unit, "1e-6 to 1e6 metres")
+        ParameterError::unless((1e-6..=1e6).contains(&unit), "Axes.unit", unit, "1e-6 to 1e6 metres")?;
+        ParameterError::unless(self.origin.is_finite(), "Axes.origin", self.origin, "finite, metres")
+    }
+
+    /// Which axis points up.
+    pub(super) fn up(self) -> UpAxis {
+        self.up
+    }
+
+    /// Metres in a unit.
+    pub(super) fn unit(self) -> f32 {
+        self.unit
     }
 
     /// A direction in the file's axes.
@@ -64,6 +83,8 @@ impl Axes {
 
     /// A place in the file's axes and unit.
     pub(super) fn placed(self, place: Vec3) -> Vec3 {
+        // Zero taken away leaves the same bits, minus zero too.
+        let place = place - self.origin;
         self.turned(if self.unit.to_bits() == 1.0_f32.to_bits() { place } else { place / self.unit })
     }
 

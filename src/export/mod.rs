@@ -2,36 +2,53 @@
 //!
 //! | format | module | what goes in | feature |
 //! |---|---|---|---|
-//! | glTF 2.0 binary, `.glb` | [`gltf`] | a [`Mesh`](crate::surface::Mesh), or [`Part`]s, or levels of them | |
+//! | glTF 2.0 binary, `.glb` | [`gltf`] | a [`Mesh`](crate::surface::Mesh), or [`Part`]s, or levels of them, or a [`Scene`] | |
 //! | Wavefront OBJ and its materials, `.obj`, `.mtl` | [`obj`] | [`Part`]s | |
 //! | PLY, binary or text, `.ply` | [`ply`] | [`Part`]s | |
 //! | STL, binary, `.stl` | [`stl`] | [`Part`]s | |
+//! | USD, `.usda`, `.usdz` | [`usd`] | [`Part`]s, or levels or seasons of them, or a [`Scene`] | |
 //! | SVG, `.svg` | [`svg`] | a [`Skeleton`](crate::Skeleton) as a drawing | |
 //! | JSON | `json` | a [`Skeleton`](crate::Skeleton), and back | `json` |
 //!
-//! Only glTF knows instances; the others get each leaf's triangles one by one, which never are in memory together.
+//! Only glTF and USD know instances; the others get each leaf's triangles one by one, which never are in memory together.
 //! What is written is checked before the first byte, so an error after it is the writer's own.
 
 mod axes;
 pub mod gltf;
+mod images;
 #[cfg(feature = "json")]
 pub mod json;
 pub mod obj;
 pub mod ply;
+mod pool;
 pub mod stl;
 pub mod svg;
+pub mod usd;
+mod worn;
 
 pub use axes::Axes;
-pub use gltf::{Breeze, GlbOptions, Instancing, WindEncoding, write_glb, write_glb_levels, write_glb_parts};
+pub use gltf::{
+    Breeze, GlbOptions, Instancing, LevelNodes, WindEncoding, write_glb, write_glb_levels, write_glb_parts,
+    write_glb_scene,
+};
+#[cfg(feature = "texture")]
+pub use images::ImageFile;
 #[cfg(feature = "json")]
 pub use json::{ReadError, read_skeleton, write_skeleton};
-pub use obj::{write_mtl, write_obj};
+#[cfg(feature = "texture")]
+pub use obj::mtl_images;
+pub use obj::{write_mtl, write_obj, write_obj_with};
 pub use ply::{PlyFormat, write_ply, write_ply_with};
 pub use stl::{write_stl, write_stl_with};
 pub use svg::{SvgOptions, write_svg};
+#[cfg(feature = "texture")]
+pub use usd::usd_images;
+pub use usd::{UsdStage, write_usda, write_usdz};
 
 use crate::ParameterError;
-use crate::surface::{MeshError, Part};
+use crate::surface::{MeshError, Part, Scene};
+use std::collections::BTreeMap;
+use std::collections::btree_map::Entry;
 
 /// Why something could not be written.
 #[derive(Debug, thiserror::Error)]
@@ -80,4 +97,26 @@ fn check_parts(parts: &[Part<'_>]) -> Result<(), ExportError> {
         return Err(ExportError::EmptyMesh);
     }
     Ok(())
+}
+
+/// Whether there is a triangle, everything is sound, and everything has its place. Each tree is looked at once, wherever it stands.
+fn check_scene(scene: &Scene<'_>) -> Result<(), ExportError> {
+    let mut reaches = BTreeMap::new();
+    let mut triangles = 0;
+    for asset in scene.assets() {
+        asset.check()?;
+        let (parts, transform) = (asset.parts(), asset.transform());
+        let reach = match reaches.entry((parts.as_ptr(), parts.len())) {
+            Entry::Occupied(known) => *known.get(),
+            Entry::Vacant(new) => {
+                parts.iter().try_for_each(Part::check::<ExportError>)?;
+                triangles += parts.iter().map(Part::triangles).sum::<u64>();
+                *new.insert(parts.iter().map(Part::reach).fold(0.0, f32::max))
+            }
+        };
+        let farthest = transform.position.abs().max_element() + 2.0 * transform.scale * reach;
+        let range = "a place from which the whole tree reaches no point beyond all numbers";
+        ParameterError::unless(farthest.is_finite(), "Scene.transform", transform, range)?;
+    }
+    if triangles == 0 { Err(ExportError::EmptyMesh) } else { Ok(()) }
 }

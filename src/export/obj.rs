@@ -2,14 +2,15 @@
 //!
 //! Text: `v`, `vt`, `vn` and `f` lines, an object and a material a part.
 
-use super::{ExportError, check_parts};
+use super::images::{Map, Uses, is_masked};
+use super::{Axes, ExportError, check_parts};
 use crate::surface::Part;
 use std::io::{self, Write};
 
 /// Writes all parts, instances multiplied out one by one, for OBJ knows none. `materials` is the name of the file that
 /// [`write_mtl`] writes, as it is found from this one, in one line without a break.
 ///
-/// Metres, +Y up. Textures' v goes up, as OBJ has it, so it is 1 less this crate's. Every number reads back as the same
+/// Metres, +Y up, unless [`write_obj_with`] is told otherwise. OBJ knows no tints. Textures' v goes up, as OBJ has it, so it is 1 less this crate's. Every number reads back as the same
 /// bits. O(vertices + triangles) time, O(1) memory.
 ///
 /// ```
@@ -28,26 +29,40 @@ use std::io::{self, Write};
 /// Parts without a single triangle, or that are not sound; whatever the writer returns. Once a byte is written,
 /// nothing but the writer can fail.
 pub fn write_obj(parts: &[Part<'_>], materials: &str, writer: impl Write) -> Result<(), ExportError> {
+    write_obj_with(parts, materials, Axes::default(), writer)
+}
+
+/// As [`write_obj`], with another axis up, in another unit or about another origin. A comment at the beginning says which.
+///
+/// # Errors
+/// As of [`write_obj`]; axes out of range.
+pub fn write_obj_with(
+    parts: &[Part<'_>],
+    materials: &str,
+    axes: Axes,
+    writer: impl Write,
+) -> Result<(), ExportError> {
+    axes.check()?;
     check_parts(parts)?;
     let mut writer = io::BufWriter::with_capacity(1 << 16, writer);
-    writeln!(writer, "# treesynth, metres, +Y up")?;
+    writeln!(writer, "# treesynth, {}", axes.note())?;
     writeln!(writer, "mtllib {}", materials.replace(char::is_control, "_"))?;
     // OBJ counts from 1, through all objects, each kind of line by itself.
     let (mut first, mut first_uv) = (1, 1);
     for (part, name) in parts.iter().zip(names(parts)) {
         let mesh = part.mesh();
         writeln!(writer, "o {name}\nusemtl {name}")?;
-        for copy in part.copies() {
+        for copy in part.placed().iter() {
             let (matrix, rotation) = (copy.matrix(), copy.rotation_matrix());
             for &position in &mesh.positions {
-                let [x, y, z] = (matrix * position + copy.position).to_array();
+                let [x, y, z] = axes.placed(matrix * position + copy.position).to_array();
                 writeln!(writer, "v {x} {y} {z}")?;
             }
             for uv in &mesh.uvs {
                 writeln!(writer, "vt {} {}", uv.x, 1.0 - uv.y)?;
             }
             for &normal in &mesh.normals {
-                let [x, y, z] = (rotation * normal).to_array();
+                let [x, y, z] = axes.turned(rotation * normal).to_array();
                 writeln!(writer, "vn {x} {y} {z}")?;
             }
             for corners in mesh.triangles() {
@@ -72,7 +87,9 @@ pub fn write_obj(parts: &[Part<'_>], materials: &str, writer: impl Write) -> Res
 }
 
 /// Writes the materials of the parts: linear colour (`Kd`), no highlight, roughness (`Pr`, as exporters of physically
-/// based materials write it).
+/// based materials write it), and the images that they wear: colour (`map_Kd`), cut out by its alpha (`map_d`), normals
+/// (`norm`, and `map_Bump`, which Blender reads as normals) and roughness (`map_Pr`). `mtl_images` (feature `texture`) has the images,
+/// which belong beside this file under their names. Light from behind is left out: MTL has no word for it.
 ///
 /// # Errors
 /// As of [`write_obj`].
@@ -80,12 +97,49 @@ pub fn write_mtl(parts: &[Part<'_>], writer: impl Write) -> Result<(), ExportErr
     check_parts(parts)?;
     let mut writer = io::BufWriter::new(writer);
     writeln!(writer, "# treesynth")?;
-    for (part, name) in parts.iter().zip(names(parts)) {
+    let uses = Uses::of(parts, MAPS);
+    for (index, (part, name)) in parts.iter().zip(names(parts)).enumerate() {
         let ([red, green, blue], rough) = (part.material().color(), part.material().roughness());
         writeln!(writer, "newmtl {name}\nKd {red} {green} {blue}\nKs 0 0 0\nPr {rough}\nillum 1")?;
+        let keys: [(Map, &[&str]); 3] =
+            [(Map::Color, &["map_Kd"]), (Map::Normal, &["norm", "map_Bump"]), (Map::Roughness, &["map_Pr"])];
+        for (map, keys) in keys {
+            for (key, file) in keys.iter().filter_map(|key| Some((key, uses.name(index, map)?))) {
+                writeln!(writer, "{key} {file}")?;
+            }
+        }
+        if let Some(file) = uses.name(index, Map::Color).filter(|_| is_masked(part)) {
+            writeln!(writer, "map_d {file}")?;
+        }
     }
     writer.flush()?;
     Ok(())
+}
+
+/// What MTL has a word for.
+const MAPS: &[Map] = &[Map::Color, Map::Normal, Map::Roughness];
+
+/// The images that the file of [`write_mtl`] names, each once, to be written beside it. Roughness is a grey image of its own.
+///
+/// ```
+/// use treesynth::export::{mtl_images, write_mtl};
+/// use treesynth::glam::{Vec2, Vec3};
+/// use treesynth::surface::{Mesh, Part};
+/// use treesynth::texture::{Image, Textures};
+///
+/// let brown = Textures::default().with_base_color(Image::new(1, 1, 3, vec![90, 60, 40])?);
+/// let triangle = Mesh::new(vec![Vec3::ZERO, Vec3::X, Vec3::Y], vec![Vec3::Z; 3], vec![0, 1, 2]);
+/// let triangle = triangle.with_uvs(vec![Vec2::ZERO, Vec2::X, Vec2::Y]);
+/// let parts = [Part::new(&triangle).with_textures(&brown)];
+/// let images = mtl_images(&parts);
+/// assert_eq!(images[0].name(), "bark_color.png");
+/// let png: Vec<u8> = images[0].png();
+/// # assert!(!png.is_empty());
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[cfg(feature = "texture")]
+pub fn mtl_images<'a>(parts: &[Part<'a>]) -> Vec<super::ImageFile<'a>> {
+    Uses::of(parts, MAPS).files()
 }
 
 /// A word a part, no two alike.

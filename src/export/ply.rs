@@ -17,7 +17,7 @@ pub enum PlyFormat {
 }
 
 /// Writes all parts as one list of vertices and one of triangles, instances multiplied out one by one. The parts'
-/// colours go to the vertices (sRGB), times the vertices' own; texture coordinates `s` and `t` are there if every part has them, `t` going up.
+/// colours go to the vertices (sRGB), times the vertices' own and the copies' tints; texture coordinates `s` and `t` are there if every part has them, `t` going up.
 ///
 /// Metres, +Y up, unless [`write_ply_with`] is told otherwise. O(vertices + triangles) time, O(1) memory.
 ///
@@ -73,7 +73,9 @@ pub fn write_ply_with(
     for part in parts {
         let (mesh, material) = (part.mesh(), part.material());
         let (look, color) = (Vec3::from_array(material.color()), material.srgb());
-        for copy in part.copies() {
+        for copy in part.placed().iter() {
+            let tint = Vec3::from_array(copy.tint);
+            let tinted = tint != Vec3::ONE;
             let (matrix, rotation) = (copy.matrix(), copy.rotation_matrix());
             for (i, (&position, &normal)) in mesh.positions.iter().zip(&mesh.normals).enumerate() {
                 let position = axes.placed(matrix * position + copy.position).to_array();
@@ -85,6 +87,7 @@ pub fn write_ply_with(
                     floats[6..].copy_from_slice(&[mesh.uvs[i].x, 1.0 - mesh.uvs[i].y]);
                 }
                 let own = mesh.colors.get(i).map(|&own| look * Vec3::from_array(own));
+                let own = if tinted { Some(own.unwrap_or(look) * tint) } else { own };
                 let color = own.map_or(color, |own| material.with_color(own.to_array()).srgb());
                 vertex(&mut writer, format, &floats[..6 + uvs.len()], color)?;
             }

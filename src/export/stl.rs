@@ -45,7 +45,7 @@ pub fn write_stl_with(parts: &[Part<'_>], axes: Axes, writer: impl Write) -> Res
     writer.write_all(&triangles.to_le_bytes())?;
     let mut placed: Vec<Vec3> = Vec::new();
     for part in parts {
-        for copy in part.copies() {
+        for copy in part.placed().iter() {
             let matrix = copy.matrix();
             placed.clear();
             let place = |&point: &Vec3| axes.placed(matrix * point + copy.position);

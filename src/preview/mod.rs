@@ -308,10 +308,11 @@ impl Preview {
             // The box of a mesh, or rather a ball around it, stands for it: 100,000 leaves are looked at once.
             let bounds = part.mesh().bounds().map_or([Vec3::ZERO; 2], |bounds| [bounds.min, bounds.max]);
             let [low, high] = bounds;
-            part.copies().iter().flat_map(move |copy| {
+            let alone = part.instances().is_none() && part.transform().is_identity();
+            part.placed().into_owned().into_iter().flat_map(move |copy| {
                 let reach = Vec3::splat(0.5 * low.distance(high) * copy.scale);
                 let middle = copy.matrix() * (0.5 * (low + high)) + copy.position;
-                if part.instances().is_some() { [middle - reach, middle + reach] } else { [low, high] }
+                if alone { [low, high] } else { [middle - reach, middle + reach] }
             })
         });
         let bounds = Bounds::of(corners);

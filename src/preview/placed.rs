@@ -1,11 +1,13 @@
 //! A part with all its copies in their places.
 
-use crate::surface::Part;
+use crate::surface::{Instance, Part};
 use glam::Vec3;
 use std::borrow::Cow;
 
 pub(super) struct Placed<'a> {
     part: Part<'a>,
+    /// Where the copies stand; none if the mesh stands alone as it is.
+    copies: Option<Cow<'a, [Instance]>>,
     /// Copy by copy, each with all vertices of the mesh.
     pub(super) positions: Cow<'a, [Vec3]>,
     /// The mean of the mesh's vertices.
@@ -15,19 +17,21 @@ pub(super) struct Placed<'a> {
 impl<'a> Placed<'a> {
     /// Of a part with at least one vertex.
     pub(super) fn new(part: &Part<'a>) -> Self {
-        let positions = if part.instances().is_none() {
-            Cow::Borrowed(&part.mesh().positions[..])
-        } else {
+        let alone = part.instances().is_none() && part.transform().is_identity();
+        let copies = (!alone).then(|| part.placed());
+        let positions = if let Some(copies) = &copies {
             let mut positions = Vec::with_capacity(part.vertices() as usize);
-            for copy in part.copies() {
+            for copy in copies.iter() {
                 let matrix = copy.matrix();
                 positions.extend(part.mesh().positions.iter().map(|&point| matrix * point + copy.position));
             }
             Cow::Owned(positions)
+        } else {
+            Cow::Borrowed(&part.mesh().positions[..])
         };
         let mesh = part.mesh();
         let middle = mesh.positions.iter().sum::<Vec3>() / mesh.positions.len() as f32;
-        Self { part: *part, positions, middle }
+        Self { part: *part, copies, positions, middle }
     }
 
     /// The colour of a triangle at a point with these weights of its corners.
@@ -61,7 +65,7 @@ impl<'a> Placed<'a> {
 
     /// The copy a vertex belongs to, if there are several, and the middle of that copy.
     pub(super) fn copy_of(&self, vertex: u32) -> Option<(usize, Vec3)> {
-        let instances = self.part.instances()?;
+        let instances = self.copies.as_ref()?;
         let copy = vertex as usize / self.part.mesh().positions.len();
         let instance = &instances[copy];
         Some((copy, instance.matrix() * self.middle + instance.position))
@@ -71,10 +75,10 @@ impl<'a> Placed<'a> {
     pub(super) fn normals(&self, corners: [u32; 3]) -> [Vec3; 3] {
         let mesh = self.part.mesh();
         let vertices = mesh.positions.len();
-        if self.part.instances().is_none() {
+        let Some(copies) = &self.copies else {
             return corners.map(|corner| mesh.normals[corner as usize]);
-        }
-        let rotation = self.part.copies()[corners[0] as usize / vertices].rotation_matrix();
+        };
+        let rotation = copies[corners[0] as usize / vertices].rotation_matrix();
         corners.map(|corner| rotation * mesh.normals[corner as usize % vertices])
     }
 }

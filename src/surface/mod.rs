@@ -12,7 +12,8 @@
 //!
 //! [`Skeleton::relaxed`](crate::Skeleton::relaxed) takes the kinks out of a skeleton first. Meshes are plain arrays, [`Mesh`], with
 //! [`Wind`] where it is wanted. A [`Part`] is a mesh with its [`Material`], once or at many places
-//! ([`Instance`]), with [`Textures`](crate::texture::Textures) if it has any: what is written and drawn.
+//! ([`Instance`]), with [`Textures`](crate::texture::Textures) if it has any: what is written and drawn. A [`Scene`] has many
+//! trees in their places.
 
 mod attach;
 #[cfg(test)]
@@ -32,8 +33,10 @@ mod part;
 mod rig;
 #[cfg(test)]
 mod sample;
+mod scene;
 mod simplify;
 mod sway;
+mod transform;
 mod tube;
 mod weave;
 mod wind;
@@ -48,7 +51,9 @@ pub use material::Material;
 pub use mesh::{Mesh, MeshError};
 pub use part::{Instance, Part};
 pub(crate) use rig::Rig;
+pub use scene::{PlacedAsset, Scene};
 pub use sway::Sway;
+pub use transform::Transform;
 pub use tube::Tubes;
 pub(crate) use wind::Air;
 pub use wind::Wind;

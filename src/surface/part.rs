@@ -1,10 +1,11 @@
 //! A mesh, how it looks and where it stands: what files and pictures are made of.
 
-use super::{Material, Mesh, MeshError};
+use super::{Material, Mesh, MeshError, Transform};
 use crate::ParameterError;
 #[cfg(feature = "texture")]
 use crate::texture::Textures;
 use glam::{Mat3, Quat, Vec3};
+use std::borrow::Cow;
 
 /// Where one copy of a mesh stands: scaled, then turned, then moved.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -35,6 +36,16 @@ impl Instance {
     /// product does not.
     pub fn rotation_matrix(&self) -> Mat3 {
         Mat3::from_quat(self.rotation)
+    }
+
+    /// Whether its colour differs from that of the mesh.
+    pub fn is_tinted(&self) -> bool {
+        self.tint.map(f32::to_bits) != [1.0_f32; 3].map(f32::to_bits)
+    }
+
+    /// The place alone.
+    pub fn transform(&self) -> Transform {
+        Transform { position: self.position, rotation: self.rotation, scale: self.scale }
     }
 
     /// Whether a mesh that reaches so far from its origin has finite copies here.
@@ -69,6 +80,7 @@ pub struct Part<'a> {
     mesh: &'a Mesh,
     material: Material,
     instances: Option<&'a [Instance]>,
+    transform: Transform,
     #[cfg(feature = "texture")]
     textures: Option<&'a Textures>,
 }
@@ -81,6 +93,7 @@ impl<'a> Part<'a> {
             mesh,
             material: Material::default(),
             instances: None,
+            transform: Transform::IDENTITY,
             #[cfg(feature = "texture")]
             textures: None,
         }
@@ -111,6 +124,17 @@ impl<'a> Part<'a> {
         self
     }
 
+    /// Moves the whole part, its instances too; default [`Transform::IDENTITY`].
+    pub fn with_transform(mut self, transform: Transform) -> Self {
+        self.transform = transform;
+        self
+    }
+
+    /// The same as [`with_transform`](Self::with_transform): scaled, then turned, then moved.
+    pub fn at(self, position: Vec3, rotation: Quat, scale: f32) -> Self {
+        self.with_transform(Transform { position, rotation, scale })
+    }
+
     /// Its name.
     pub fn name(&self) -> &'a str {
         self.name
@@ -137,7 +161,20 @@ impl<'a> Part<'a> {
         self.instances
     }
 
-    /// Where its copies stand: the instances, or the identity once.
+    /// Where the whole part stands.
+    pub fn transform(&self) -> Transform {
+        self.transform
+    }
+
+    /// Where its copies come to stand, the part's own transform included. O(1) without a transform, else O(copies).
+    pub fn placed(&self) -> Cow<'a, [Instance]> {
+        if self.transform.is_identity() {
+            return Cow::Borrowed(self.copies());
+        }
+        Cow::Owned(self.copies().iter().map(|copy| self.transform.instance(copy)).collect())
+    }
+
+    /// Where its copies stand within the part: the instances, or the identity once.
     pub fn copies(&self) -> &'a [Instance] {
         self.instances.unwrap_or(&[Instance::IDENTITY])
     }
@@ -152,12 +189,24 @@ impl<'a> Part<'a> {
         self.mesh.triangles().len() as u64 * self.copies().len() as u64
     }
 
+    /// No vertex of any copy is farther from the origin along an axis, metres. O(vertices + instances).
+    pub(crate) fn reach(&self) -> f32 {
+        let mesh = self.mesh.positions.iter().map(|p| p.length()).fold(0.0, f32::max);
+        let copies = self.placed();
+        let reaches = copies.iter().map(|copy| copy.position.abs().max_element() + copy.scale * mesh);
+        reaches.fold(0.0, f32::max)
+    }
+
     /// Whether it can be written and drawn. O(vertices + triangles + instances).
     pub(crate) fn check<E: From<ParameterError> + From<MeshError>>(&self) -> Result<(), E> {
         self.material.check()?;
+        self.transform.check("Part.transform")?;
         self.mesh.check_arrays()?;
         let reach = self.mesh.positions.iter().map(|p| p.abs().max_element()).fold(0.0, f32::max);
-        if let Some(index) = self.copies().iter().position(|instance| !instance.is_sound(2.0 * reach)) {
+        let unsound = |copies: &[Instance]| copies.iter().position(|copy| !copy.is_sound(2.0 * reach));
+        let found = unsound(self.copies());
+        let placed = || (!self.transform.is_identity()).then(|| unsound(&self.placed())).flatten();
+        if let Some(index) = found.or_else(placed) {
             return Err(MeshError::Instance { index, instance: self.copies()[index] }.into());
         }
         Ok(())

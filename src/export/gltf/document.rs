@@ -1,377 +1,372 @@
-//! The JSON half of a glTF file.
+//! The JSON half of a glTF file: what is in it, and which node shows what.
 
-use super::skin::{Skins, moves};
-use super::{Data, GlbOptions, Instancing, attributes};
-use crate::surface::{Instance, Material, Mesh, Part};
-use std::fmt::Write as _;
+use super::array::{Array, Grid};
+use super::buffer::{Buffer, Geometry};
+use super::look::Looks;
+use super::skin::{Animation, Skins, moves};
+use super::text::{entry, escaped, list, numbers, push};
+use super::{GlbOptions, Instancing, LevelNodes};
+use crate::export::ExportError;
+use crate::export::pool::Pool;
+use crate::surface::{Instance, Mesh, Part, Scene, Transform};
+use std::collections::BTreeMap;
 
 /// What is written, with everything in it named by its index.
 pub(super) struct Document<'a> {
-    /// Each becomes a buffer view and an accessor.
-    arrays: Vec<Data<'a>>,
-    meshes: Vec<MeshEntry<'a>>,
-    materials: Vec<(&'a str, Material)>,
-    /// What each level shows, the finest first.
-    levels: Vec<Vec<Placed<'a>>>,
-    breeze: Option<Breath<'a>>,
+    options: GlbOptions,
+    buffer: Buffer<'a>,
+    looks: Looks<'a>,
+    /// The buffer view of the first image.
+    images: usize,
+    geometries: Vec<Geometry>,
+    /// Meshes of the file: a name, a geometry, a material.
+    meshes: Vec<(&'a str, usize, usize)>,
+    nodes: Vec<String>,
+    root: usize,
+    extensions: Vec<&'static str>,
+    animation: Option<Animation>,
+    known: Known<'a>,
 }
 
-/// The bones and their animation, with their arrays.
-struct Breath<'a> {
-    skins: &'a Skins<'a>,
-    inverses: usize,
-    times: usize,
-    turns: Vec<usize>,
-}
-
-/// A mesh of the file: a mesh with a material.
-struct MeshEntry<'a> {
-    name: &'a str,
-    mesh: &'a Mesh,
-    material: usize,
-    attributes: Vec<(&'static str, usize)>,
-    indices: usize,
-}
-
-/// A mesh of the file in its places.
-struct Placed<'a> {
-    name: &'a str,
-    mesh: usize,
-    instances: Option<&'a [Instance]>,
-    /// Translation, rotation and scale of the instances, if they are arrays.
-    arrays: Option<[usize; 3]>,
-    /// Whether bones move it.
-    moves: bool,
+/// What is in the file already.
+struct Known<'a> {
+    meshes: Pool<'a, Mesh>,
+    copies: Pool<'a, [Instance]>,
+    /// Geometries by mesh and merged copies.
+    geometries: BTreeMap<(usize, Option<usize>), usize>,
+    /// Meshes of the file by geometry and material.
+    entries: BTreeMap<(usize, usize), usize>,
+    /// The accessors of instances: translation, rotation, scale, tint. By mesh, since its grid is in them.
+    instances: BTreeMap<(usize, usize), Vec<(&'static str, usize)>>,
 }
 
 impl<'a> Document<'a> {
-    /// `None` if there is no level, or one without a triangle.
-    pub(super) fn new<'b: 'a>(
-        levels: &[impl AsRef<[Part<'b>]>],
-        options: &GlbOptions,
-        skins: Option<&'a Skins<'a>>,
-    ) -> Option<Self> {
-        let mut document = Self {
-            arrays: Vec::new(),
-            meshes: Vec::new(),
-            materials: Vec::new(),
-            levels: Vec::new(),
-            breeze: None,
+    fn new(options: &GlbOptions) -> Self {
+        let known = Known {
+            meshes: Pool::new(),
+            copies: Pool::new(),
+            geometries: BTreeMap::new(),
+            entries: BTreeMap::new(),
+            instances: BTreeMap::new(),
         };
-        document.breeze = skins.map(|skins| Breath {
-            skins,
-            inverses: document.array(Data::Matrices(&skins.inverses)),
-            times: document.array(Data::Times(&skins.times)),
-            turns: skins.turns.iter().map(|turns| document.array(Data::Turns(turns))).collect(),
-        });
-        for level in levels {
-            let seen = level.as_ref().iter().filter(|part| part.triangles() > 0);
-            let level: Vec<_> = seen.map(|part| document.placed(part, options)).collect();
-            if level.is_empty() {
-                return None;
+        Self {
+            options: options.clone(),
+            buffer: Buffer::default(),
+            looks: Looks::new(),
+            images: 0,
+            geometries: Vec::new(),
+            meshes: Vec::new(),
+            nodes: Vec::new(),
+            root: 0,
+            extensions: Vec::new(),
+            animation: None,
+            known,
+        }
+    }
+
+    /// Of a tree in at least one level, each with triangles.
+    pub(super) fn of_levels(
+        levels: &[impl AsRef<[Part<'a>]>],
+        options: &GlbOptions,
+    ) -> Result<Self, ExportError> {
+        let mut document = Self::new(options);
+        let home = document.home();
+        let named = options.levels == LevelNodes::Named && levels.len() > 1;
+        let root = if named { Some(document.node()) } else { None };
+        // The levels' nodes come first; then what hangs on them.
+        let nodes: Vec<_> = levels.iter().map(|_| document.node()).collect();
+        for (index, (level, &node)) in levels.iter().zip(&nodes).enumerate() {
+            let name = match (named, index) {
+                (true, _) => format!("{}_LOD{index}", options.name),
+                (false, 0) => options.name.clone(),
+                (false, _) => format!("{}_lod{index}", options.name),
+            };
+            let transform = if named { Transform::IDENTITY } else { home };
+            let mut text = document.group(&name, transform, level.as_ref())?;
+            if !named && index == 0 && levels.len() > 1 {
+                document.extensions.push("MSFT_lod");
+                let ids = list(&nodes[1..], ToString::to_string);
+                push(&mut text, format_args!(r#","extensions":{{"MSFT_lod":{{"ids":[{ids}]}}}}"#));
+                if !options.coverages.is_empty() {
+                    let coverages = numbers(&options.coverages);
+                    push(&mut text, format_args!(r#","extras":{{"MSFT_screencoverage":{coverages}}}"#));
+                }
             }
-            document.levels.push(level);
+            document.nodes[node] = text + "}";
         }
-        (!document.levels.is_empty()).then_some(document)
-    }
-
-    fn placed(&mut self, part: &Part<'a>, options: &GlbOptions) -> Placed<'a> {
-        let mesh = self.mesh(part, options);
-        let instances = part.instances();
-        let arrays = instances.filter(|_| options.instancing == Instancing::Extension).map(|instances| {
-            [Data::Translations(instances), Data::Rotations(instances), Data::Scales(instances)]
-                .map(|data| self.array(data))
-        });
-        let moves = self.breeze.is_some() && moves(part);
-        Placed { name: part.name(), mesh, instances, arrays, moves }
-    }
-
-    fn array(&mut self, data: Data<'a>) -> usize {
-        self.arrays.push(data);
-        self.arrays.len() - 1
-    }
-
-    fn mesh(&mut self, part: &Part<'a>, options: &GlbOptions) -> usize {
-        let (name, mesh) = (part.name(), part.mesh());
-        let look = (name, part.material());
-        let material = self.materials.iter().position(|other| *other == look).unwrap_or_else(|| {
-            self.materials.push(look);
-            self.materials.len() - 1
-        });
-        let same = |entry: &MeshEntry<'_>| std::ptr::eq(entry.mesh, mesh) && entry.material == material;
-        if let Some(index) = self.meshes.iter().position(same) {
-            return index;
+        if let Some(root) = root {
+            document.nodes[root] = parent(&options.name, home, &nodes);
         }
-        let skin = self.breeze.as_ref().and_then(|breeze| breeze.skins.attributes(mesh));
-        let all = attributes(mesh, options).into_iter().chain(skin.into_iter().flatten());
-        let attributes = all.map(|(name, data)| (name, self.array(data))).collect();
-        let indices = self.array(Data::Indices(&mesh.indices));
-        self.meshes.push(MeshEntry { name, mesh, material, attributes, indices });
-        self.meshes.len() - 1
+        Ok(document.finished())
     }
 
-    pub(super) fn arrays(&self) -> impl Iterator<Item = Data<'a>> {
-        self.arrays.iter().copied()
+    /// Of a tree that a breeze moves: its skinned meshes side by side with its bones, and what stands still.
+    pub(super) fn of_breeze<'b: 'a>(
+        parts: &[Part<'b>],
+        skins: &'a Skins<'a>,
+        options: &GlbOptions,
+    ) -> Result<Self, ExportError> {
+        let mut document = Self::new(options);
+        let root = document.node();
+        let (moving, still): (Vec<_>, Vec<_>) =
+            parts.iter().filter(|part| part.triangles() > 0).partition(|part| moves(part));
+        let first = document.nodes.len();
+        document.nodes.extend(skins.nodes(first));
+        let mut children = vec![first];
+        for part in moving {
+            let material = document.looks.material(part);
+            let geometry = document.geometry(part.mesh(), None)?;
+            // A mesh of two parts has them already.
+            let known = document.geometries[geometry].primitives.iter();
+            let skinned =
+                known.flat_map(|primitive| &primitive.attributes).any(|(name, _)| *name == "JOINTS_0");
+            let attributes = skins.attributes(part.mesh()).filter(|_| !skinned);
+            for (name, array) in attributes.into_iter().flatten() {
+                let accessor = document.buffer.whole(array);
+                for primitive in &mut document.geometries[geometry].primitives {
+                    primitive.attributes.push((name, accessor));
+                }
+            }
+            let mesh = document.mesh(part.name(), geometry, material);
+            children.push(document.nodes.len());
+            document.nodes.push(shown(part.name(), mesh, Transform::IDENTITY) + r#","skin":0}"#);
+        }
+        let others = document.nodes.len();
+        for part in still {
+            document.part(part)?;
+        }
+        children.extend(others..document.nodes.len());
+        document.nodes[root] = parent(&options.name, document.home(), &children);
+        document.animation = Some(Animation {
+            first,
+            bones: skins.rig.joints.len(),
+            inverses: document.buffer.whole(Array::Matrices(&skins.inverses)),
+            times: document.buffer.whole(Array::Times(&skins.times)),
+            turns: skins.turns.iter().map(|turns| document.buffer.whole(Array::Turns(turns))).collect(),
+        });
+        Ok(document.finished())
+    }
+
+    /// Of a scene in which something has triangles.
+    pub(super) fn of_scene(scene: &Scene<'a>, options: &GlbOptions) -> Result<Self, ExportError> {
+        let mut document = Self::new(options);
+        let root = document.node();
+        let seen = |part: &Part<'_>| part.triangles() > 0;
+        let mut nodes = Vec::new();
+        for asset in scene.assets().iter().filter(|asset| asset.parts().iter().any(seen)) {
+            let node = document.node();
+            document.nodes[node] = document.group(asset.name(), asset.transform(), asset.parts())? + "}";
+            nodes.push(node);
+        }
+        document.nodes[root] = parent(&options.name, document.home(), &nodes);
+        Ok(document.finished())
+    }
+
+    /// What takes the chosen origin to zero.
+    fn home(&self) -> Transform {
+        // Minus zero would be another number.
+        Transform::at(glam::Vec3::ZERO - self.options.origin)
+    }
+
+    fn finished(mut self) -> Self {
+        self.images = self.buffer.arrays().len();
+        for file in self.looks.files() {
+            self.buffer.view(Array::Bytes(file));
+        }
+        self
+    }
+
+    /// A node whose text comes later.
+    fn node(&mut self) -> usize {
+        self.nodes.push(String::new());
+        self.nodes.len() - 1
+    }
+
+    /// The text of a node with some parts, but for its closing bracket.
+    fn group(&mut self, name: &str, transform: Transform, parts: &[Part<'a>]) -> Result<String, ExportError> {
+        let seen: Vec<_> = parts.iter().filter(|part| part.triangles() > 0).collect();
+        // A mesh alone needs no node around it; importers expect geometry in the levels themselves.
+        if let [part] = seen[..]
+            && (part.instances().is_none() || self.options.instancing == Instancing::Merged)
+        {
+            let (mesh, own) = self.whole(part)?;
+            return Ok(shown(name, mesh, transform.after(&own)));
+        }
+        let first = self.nodes.len();
+        for part in seen {
+            self.part(part)?;
+        }
+        let children: Vec<_> = (first..self.nodes.len()).collect();
+        let mut text = parent(name, transform, &children);
+        text.pop();
+        Ok(text)
+    }
+
+    /// The mesh of a part with all its copies in it, and what takes it to its place.
+    fn whole(&mut self, part: &Part<'a>) -> Result<(usize, Transform), ExportError> {
+        let material = self.looks.material(part);
+        let geometry = self.geometry(part.mesh(), part.instances())?;
+        let mesh = self.mesh(part.name(), geometry, material);
+        Ok((mesh, part.transform().after(&self.scaled(geometry))))
+    }
+
+    /// The nodes of a part.
+    fn part(&mut self, part: &Part<'a>) -> Result<(), ExportError> {
+        let instances = match (self.options.instancing, part.instances()) {
+            (Instancing::Merged, _) | (_, None) => {
+                let (mesh, transform) = self.whole(part)?;
+                self.nodes.push(shown(part.name(), mesh, transform) + "}");
+                return Ok(());
+            }
+            (_, Some(instances)) => instances,
+        };
+        let material = self.looks.material(part);
+        let geometry = self.geometry(part.mesh(), None)?;
+        if self.options.instancing == Instancing::Nodes {
+            let scaled = self.scaled(geometry);
+            for copy in instances {
+                let material = self.looks.tinted(material, copy.tint);
+                let mesh = self.mesh(part.name(), geometry, material);
+                let transform = part.transform().after(&copy.transform()).after(&scaled);
+                self.nodes.push(shown_at(part.name(), mesh, transform, true) + "}");
+            }
+            return Ok(());
+        }
+        let mesh = self.mesh(part.name(), geometry, material);
+        let attributes =
+            list(self.instances(geometry, instances), |(name, accessor)| format!(r#""{name}":{accessor}"#));
+        self.extensions.push("EXT_mesh_gpu_instancing");
+        let mut node = shown(part.name(), mesh, part.transform());
+        push(
+            &mut node,
+            format_args!(
+                r#","extensions":{{"EXT_mesh_gpu_instancing":{{"attributes":{{{attributes}}}}}}}}}"#
+            ),
+        );
+        self.nodes.push(node);
+        Ok(())
+    }
+
+    fn geometry(&mut self, mesh: &'a Mesh, merged: Option<&'a [Instance]>) -> Result<usize, ExportError> {
+        let copies = merged.map(|copies| self.known.copies.index(copies));
+        let key = (self.known.meshes.index(mesh), copies);
+        if let Some(&found) = self.known.geometries.get(&key) {
+            return Ok(found);
+        }
+        let geometry = self.buffer.geometry(mesh, merged, self.options.quantization, self.options.wind)?;
+        self.geometries.push(geometry);
+        self.known.geometries.insert(key, self.geometries.len() - 1);
+        Ok(self.geometries.len() - 1)
+    }
+
+    fn mesh(&mut self, name: &'a str, geometry: usize, material: usize) -> usize {
+        let meshes = &mut self.meshes;
+        *self.known.entries.entry((geometry, material)).or_insert_with(|| {
+            meshes.push((name, geometry, material));
+            meshes.len() - 1
+        })
+    }
+
+    /// What takes a rounded mesh back to its size.
+    fn scaled(&self, geometry: usize) -> Transform {
+        self.geometries[geometry].grid.map_or(Transform::IDENTITY, Grid::transform)
+    }
+
+    fn instances(&mut self, geometry: usize, copies: &'a [Instance]) -> &[(&'static str, usize)] {
+        let grid = self.geometries[geometry].grid;
+        let buffer = &mut self.buffer;
+        let key = (geometry, self.known.copies.index(copies));
+        self.known.instances.entry(key).or_insert_with(|| {
+            let mut accessors = vec![
+                ("TRANSLATION", buffer.whole(Array::Translations(copies, grid))),
+                ("ROTATION", buffer.whole(Array::Rotations(copies))),
+                ("SCALE", buffer.whole(Array::Scales(copies, grid))),
+            ];
+            if copies.iter().any(Instance::is_tinted) {
+                accessors.push(("_COLOR_0", buffer.whole(Array::Tints(copies))));
+            }
+            accessors
+        })
+    }
+
+    pub(super) fn arrays(&self) -> &[Array<'a>] {
+        self.buffer.arrays()
     }
 
     pub(super) fn bytes(&self) -> u64 {
-        self.arrays().map(Data::bytes).sum()
+        self.buffer.bytes()
     }
 
-    pub(super) fn json(&self, options: &GlbOptions) -> String {
-        let extensions = self.extensions();
-        let used = if extensions.is_empty() {
-            String::new()
-        } else {
-            format!(r#""extensionsUsed":[{}],"#, list(extensions, |name| format!("\"{name}\"")))
-        };
+    pub(super) fn json(&self) -> String {
+        let mut used = self.extensions.clone();
+        let required: &[&str] = if self.options.quantization { &["KHR_mesh_quantization"] } else { &[] };
+        used.extend(required);
+        if self.looks.transmits() {
+            used.push("KHR_materials_diffuse_transmission");
+        }
+        used.sort_unstable();
+        used.dedup();
+        let quoted = |name: &&str| format!("\"{name}\"");
         format!(
             concat!(
-                r#"{{"asset":{{"version":"2.0","generator":"treesynth {version}"}},{used}"#,
-                r#""scene":0,"scenes":[{{"nodes":[{roots}]}}],"nodes":[{nodes}],{breeze}"meshes":[{meshes}],"#,
-                r#""materials":[{materials}],"accessors":[{accessors}],"bufferViews":[{views}],"#,
+                r#"{{"asset":{{"version":"2.0","generator":"treesynth {version}"}},{used}{required}"#,
+                r#""scene":0,"scenes":[{{"nodes":[{root}]}}],"nodes":[{nodes}],{animation}"meshes":[{meshes}],"#,
+                r#"{looks}"accessors":[{accessors}],"bufferViews":[{views}],"#,
                 r#""buffers":[{{"byteLength":{bytes}}}]}}"#,
             ),
             version = env!("CARGO_PKG_VERSION"),
-            used = used,
-            roots = list(0..=self.moving(), |root| root.to_string()),
-            nodes = self.nodes(options).join(","),
-            breeze = self.breeze.as_ref().map_or(String::new(), |breeze| breeze.json(self.moving() + 1)),
-            meshes = list(&self.meshes, mesh),
-            materials = list(&self.materials, |(name, look)| material(name, look)),
-            accessors = self.accessors(),
-            views = self.views(),
+            used = entry("extensionsUsed", &used, quoted),
+            required = entry("extensionsRequired", required, quoted),
+            root = self.root,
+            nodes = self.nodes.join(","),
+            animation = self.animation.as_ref().map_or(String::new(), Animation::text),
+            meshes = list(&self.meshes, |mesh| self.mesh_text(mesh)),
+            looks = self.looks.text(self.images),
+            accessors = self.buffer.accessors_text(),
+            views = self.buffer.views_text(),
             bytes = self.bytes(),
         )
     }
 
-    fn extensions(&self) -> Vec<&'static str> {
-        let instancing = self.levels.iter().flatten().any(|placed| placed.arrays.is_some());
-        [("EXT_mesh_gpu_instancing", instancing), ("MSFT_lod", self.levels.len() > 1)]
-            .into_iter()
-            .filter_map(|(name, used)| used.then_some(name))
-            .collect()
-    }
-
-    /// The number of nodes that bones move; they follow node 0.
-    fn moving(&self) -> usize {
-        self.levels.iter().flatten().filter(|placed| placed.moves).count()
-    }
-
-    /// The tree, what moves beside it, the bones, and what stands still.
-    fn moving_nodes(&self, breeze: &Breath<'_>, options: &GlbOptions) -> Vec<String> {
-        let mut nodes = Vec::new();
-        for placed in self.levels.iter().flatten().filter(|placed| placed.moves) {
-            nodes.push(format!(r#"{{"name":{},"mesh":{},"skin":0}}"#, escaped(placed.name), placed.mesh));
-        }
-        let first = 1 + nodes.len();
-        breeze.bones(first, &mut nodes);
-        let others = 1 + nodes.len();
-        for placed in self.levels.iter().flatten().filter(|placed| !placed.moves) {
-            placed.nodes(&mut nodes);
-        }
-        let children = list([first].into_iter().chain(others..=nodes.len()), |child| child.to_string());
-        nodes.insert(0, format!(r#"{{"name":{},"children":[{children}]}}"#, escaped(&options.name)));
-        nodes
-    }
-
-    /// The levels' nodes first, so that node 0 is the finest; then what hangs on them.
-    fn nodes(&self, options: &GlbOptions) -> Vec<String> {
-        if let Some(breeze) = &self.breeze {
-            return self.moving_nodes(breeze, options);
-        }
-        let levels = self.levels.len();
-        let mut roots = Vec::new();
-        let mut others = Vec::new();
-        for (index, level) in self.levels.iter().enumerate() {
-            let name = if index == 0 { options.name.clone() } else { format!("{}_lod{index}", options.name) };
-            let mut node = format!(r#"{{"name":{}"#, escaped(&name));
-            // A mesh alone needs no node around it; importers expect geometry in the levels themselves.
-            if let [Placed { mesh, instances: None, .. }] = &level[..] {
-                push(&mut node, format_args!(r#","mesh":{mesh}"#));
-            } else {
-                let first = levels + others.len();
-                for placed in level {
-                    placed.nodes(&mut others);
-                }
-                let children = list(first..levels + others.len(), |child| child.to_string());
-                push(&mut node, format_args!(r#","children":[{children}]"#));
-            }
-            if index == 0 && levels > 1 {
-                let ids = list(1..levels, |id| id.to_string());
-                push(&mut node, format_args!(r#","extensions":{{"MSFT_lod":{{"ids":[{ids}]}}}}"#));
-                if !options.coverages.is_empty() {
-                    let coverages = numbers(&options.coverages);
-                    push(&mut node, format_args!(r#","extras":{{"MSFT_screencoverage":{coverages}}}"#));
-                }
-            }
-            roots.push(node + "}");
-        }
-        roots.append(&mut others);
-        roots
-    }
-
-    fn accessors(&self) -> String {
-        let bounds = |index: usize| {
-            if let Data::Times(times) = self.arrays[index] {
-                let [low, high] = [times.first()?, times.last()?].map(|time| numbers(&[*time]));
-                return Some(format!(r#","min":{low},"max":{high}"#));
-            }
-            let entry = self.meshes.iter().find(|entry| entry.attributes[0].1 == index)?;
-            let bounds = entry.mesh.bounds()?;
-            let [low, high] = [bounds.min, bounds.max].map(|corner| numbers(&corner.to_array()));
-            Some(format!(r#","min":{low},"max":{high}"#))
-        };
-        list(self.arrays().enumerate(), |(index, data)| {
+    fn mesh_text(&self, (name, geometry, material): &(&str, usize, usize)) -> String {
+        let primitives = list(&self.geometries[*geometry].primitives, |primitive| {
             format!(
-                r#"{{"bufferView":{index},"componentType":{},"count":{},"type":"{}"{}}}"#,
-                data.component(),
-                data.count(),
-                data.kind().1,
-                bounds(index).unwrap_or_default(),
+                r#"{{"attributes":{{{}}},"indices":{},"material":{material},"mode":4}}"#,
+                list(&primitive.attributes, |(name, index)| format!(r#""{name}":{index}"#)),
+                primitive.indices,
             )
-        })
-    }
-
-    fn views(&self) -> String {
-        let mut offset = 0;
-        list(self.arrays(), |data| {
-            let start = offset;
-            offset += data.bytes();
-            let target = data.target().map_or(String::new(), |target| format!(r#","target":{target}"#));
-            format!(r#"{{"buffer":0,"byteOffset":{start},"byteLength":{}{target}}}"#, data.bytes())
-        })
+        });
+        format!(r#"{{"name":{},"primitives":[{primitives}]}}"#, escaped(name))
     }
 }
 
-impl Breath<'_> {
-    /// The nodes of the bones, the first of which has the number `first`.
-    fn bones(&self, first: usize, nodes: &mut Vec<String>) {
-        let joints = &self.skins.rig.joints;
-        for (number, joint) in joints.iter().enumerate() {
-            let parent = joint.parent.map_or(glam::Vec3::ZERO, |parent| joints[usize::from(parent)].position);
-            let mut node = format!(
-                r#"{{"name":"bone {number}","translation":{}"#,
-                numbers(&(joint.position - parent).to_array())
-            );
-            let borne = (0..joints.len()).filter(|&i| joints[i].parent.map(usize::from) == Some(number));
-            let children = list(borne, |child| (first + child).to_string());
-            if !children.is_empty() {
-                push(&mut node, format_args!(r#","children":[{children}]"#));
-            }
-            nodes.push(node + "}");
-        }
+/// A node with others below it.
+fn parent(name: &str, transform: Transform, children: &[usize]) -> String {
+    let children = list(children, ToString::to_string);
+    format!(r#"{{"name":{}{},"children":[{children}]}}"#, escaped(name), placed(transform, false))
+}
+
+/// A node that shows a mesh, but for its closing bracket.
+fn shown(name: &str, mesh: usize, transform: Transform) -> String {
+    shown_at(name, mesh, transform, false)
+}
+
+fn shown_at(name: &str, mesh: usize, transform: Transform, whole: bool) -> String {
+    format!(r#"{{"name":{},"mesh":{mesh}{}"#, escaped(name), placed(transform, whole))
+}
+
+/// Where a node is: all three, or what changes something.
+fn placed(transform: Transform, whole: bool) -> String {
+    let Transform { position, rotation, scale } = transform;
+    let mut text = String::new();
+    if whole || position != glam::Vec3::ZERO {
+        push(&mut text, format_args!(r#","translation":{}"#, numbers(&position.to_array())));
     }
-
-    /// The skin and the animation.
-    fn json(&self, first: usize) -> String {
-        let joints = self.skins.rig.joints.len();
-        format!(
-            concat!(
-                r#""skins":[{{"inverseBindMatrices":{inverses},"skeleton":{first},"joints":[{joints}]}}],"#,
-                r#""animations":[{{"name":"breeze","channels":[{channels}],"samplers":[{samplers}]}}],"#,
-            ),
-            inverses = self.inverses,
-            first = first,
-            joints = list(first..first + joints, |joint| joint.to_string()),
-            channels = list(1..joints, |bone| format!(
-                r#"{{"sampler":{},"target":{{"node":{},"path":"rotation"}}}}"#,
-                bone - 1,
-                first + bone
-            )),
-            samplers = list(&self.turns, |turns| format!(
-                r#"{{"input":{},"interpolation":"LINEAR","output":{turns}}}"#,
-                self.times
-            )),
-        )
+    if whole || rotation != glam::Quat::IDENTITY {
+        push(&mut text, format_args!(r#","rotation":{}"#, numbers(&rotation.to_array())));
     }
-}
-
-impl Placed<'_> {
-    fn nodes(&self, nodes: &mut Vec<String>) {
-        let start = format!(r#"{{"name":{},"mesh":{}"#, escaped(self.name), self.mesh);
-        match (self.instances, self.arrays) {
-            (None, _) => nodes.push(start + "}"),
-            (Some(_), Some([translation, rotation, scale])) => nodes.push(format!(
-                concat!(
-                    r#"{start},"extensions":{{"EXT_mesh_gpu_instancing":{{"attributes":"#,
-                    r#"{{"TRANSLATION":{translation},"ROTATION":{rotation},"SCALE":{scale}}}}}}}}}"#,
-                ),
-                start = start,
-                translation = translation,
-                rotation = rotation,
-                scale = scale,
-            )),
-            (Some(instances), None) => nodes.extend(instances.iter().map(|instance| {
-                format!(
-                    r#"{start},"translation":{},"rotation":{},"scale":{}}}"#,
-                    numbers(&instance.position.to_array()),
-                    numbers(&instance.rotation.to_array()),
-                    numbers(&[instance.scale; 3]),
-                )
-            })),
-        }
+    if whole || scale.to_bits() != 1.0_f32.to_bits() {
+        push(&mut text, format_args!(r#","scale":{}"#, numbers(&[scale; 3])));
     }
-}
-
-fn mesh(entry: &MeshEntry<'_>) -> String {
-    let MeshEntry { name, material, attributes, indices, .. } = entry;
-    format!(
-        concat!(
-            r#"{{"name":{name},"primitives":[{{"attributes":{{{attributes}}},"#,
-            r#""indices":{indices},"material":{material},"mode":4}}]}}"#,
-        ),
-        name = escaped(name),
-        attributes = list(attributes, |(name, index)| format!(r#""{name}":{index}"#)),
-        indices = indices,
-        material = material,
-    )
-}
-
-fn material(name: &str, look: &Material) -> String {
-    let [red, green, blue] = look.color();
-    format!(
-        concat!(
-            r#"{{"name":{name},"pbrMetallicRoughness":{{"baseColorFactor":{color},"#,
-            r#""metallicFactor":0,"roughnessFactor":{rough}}},"doubleSided":{double}}}"#,
-        ),
-        name = escaped(name),
-        color = numbers(&[red, green, blue, 1.0]),
-        rough = f64::from(look.roughness()),
-        double = look.is_double_sided(),
-    )
-}
-
-fn push(text: &mut String, more: std::fmt::Arguments<'_>) {
-    // Writing to a String cannot fail.
-    let _ = text.write_fmt(more);
-}
-
-/// The items' texts with commas between them.
-fn list<T>(items: impl IntoIterator<Item = T>, text: impl FnMut(T) -> String) -> String {
-    items.into_iter().map(text).collect::<Vec<_>>().join(",")
-}
-
-/// As doubles: their shortest text reads back as the same value in either precision.
-pub(super) fn numbers(floats: &[f32]) -> String {
-    let mut text = String::from("[");
-    for (i, float) in floats.iter().enumerate() {
-        push(&mut text, format_args!("{}{}", if i > 0 { "," } else { "" }, f64::from(*float)));
-    }
-    text + "]"
-}
-
-/// `text` as a JSON string, quotes included.
-fn escaped(text: &str) -> String {
-    let mut out = String::from('"');
-    for char in text.chars() {
-        match char {
-            '"' => out.push_str("\\\""),
-            '\\' => out.push_str("\\\\"),
-            control if control < ' ' => push(&mut out, format_args!("\\u{:04x}", control as u32)),
-            other => out.push(other),
-        }
-    }
-    out.push('"');
-    out
+    text
 }

@@ -1,7 +1,8 @@
 //! A breeze in a glTF file: bones, skin weights and a looping animation, for viewers without a shader.
 
-use super::Data;
-use crate::surface::{Air, Mesh, Part, Rig, SurfaceError, Sway, Wind};
+use super::array::Array;
+use super::text::{list, numbers, push};
+use crate::surface::{Air, Mesh, Part, Rig, SurfaceError, Sway, Transform, Wind};
 use crate::{ParameterError, Skeleton};
 use glam::{Quat, Vec3, Vec4};
 
@@ -110,15 +111,66 @@ impl<'a> Skins<'a> {
     }
 
     /// The attributes of a mesh besides its own; none if it stands still.
-    pub(super) fn attributes(&self, mesh: &Mesh) -> Option<[(&'static str, Data<'_>); 2]> {
+    pub(super) fn attributes(&self, mesh: &Mesh) -> Option<[(&'static str, Array<'_>); 2]> {
         let (_, bones, weights) = self.meshes.iter().find(|other| std::ptr::eq(other.0, mesh))?;
-        Some([("JOINTS_0", Data::Bones(bones)), ("WEIGHTS_0", Data::Vec4(weights))])
+        Some([("JOINTS_0", Array::Bones(bones)), ("WEIGHTS_0", Array::Weights(weights))])
+    }
+
+    /// The nodes of the bones, the first of which has the number `first`.
+    pub(super) fn nodes(&self, first: usize) -> impl Iterator<Item = String> {
+        let joints = &self.rig.joints;
+        joints.iter().enumerate().map(move |(number, joint)| {
+            let parent = joint.parent.map_or(Vec3::ZERO, |parent| joints[usize::from(parent)].position);
+            let at = numbers(&(joint.position - parent).to_array());
+            let mut node = format!(r#"{{"name":"bone {number}","translation":{at}"#);
+            let borne = (0..joints.len()).filter(|&i| joints[i].parent.map(usize::from) == Some(number));
+            let children = list(borne, |child| (first + child).to_string());
+            if !children.is_empty() {
+                push(&mut node, format_args!(r#","children":[{children}]"#));
+            }
+            node + "}"
+        })
     }
 }
 
-/// Whether a part can move: it stands in one place and has wind.
+/// The skin and the animation in a file.
+#[derive(Debug)]
+pub(super) struct Animation {
+    /// The node of the first bone, and how many there are.
+    pub(super) first: usize,
+    pub(super) bones: usize,
+    /// Accessors.
+    pub(super) inverses: usize,
+    pub(super) times: usize,
+    pub(super) turns: Vec<usize>,
+}
+
+impl Animation {
+    pub(super) fn text(&self) -> String {
+        let Self { first, bones, inverses, times, turns } = self;
+        let joints = list(*first..first + bones, |joint| joint.to_string());
+        let channels = list(1..*bones, |bone| {
+            format!(r#"{{"sampler":{},"target":{{"node":{},"path":"rotation"}}}}"#, bone - 1, first + bone)
+        });
+        let samplers =
+            list(turns, |turns| format!(r#"{{"input":{times},"interpolation":"LINEAR","output":{turns}}}"#));
+        format!(
+            concat!(
+                r#""skins":[{{"inverseBindMatrices":{inverses},"skeleton":{first},"joints":[{joints}]}}],"#,
+                r#""animations":[{{"name":"breeze","channels":[{channels}],"samplers":[{samplers}]}}],"#,
+            ),
+            inverses = inverses,
+            first = first,
+            joints = joints,
+            channels = channels,
+            samplers = samplers,
+        )
+    }
+}
+
+/// Whether a part can move: it stands in one place, which is its own, and has wind.
 pub(super) fn moves(part: &Part<'_>) -> bool {
-    part.instances().is_none() && !part.mesh().wind.is_empty()
+    part.instances().is_none() && part.transform() == Transform::IDENTITY && !part.mesh().wind.is_empty()
 }
 
 #[cfg(test)]

@@ -1,9 +1,9 @@
 //! What is written is what was given.
 
 use super::*;
-use crate::surface::{MeshError, Tubes};
+use crate::surface::{Instance, Material, MeshError, Transform, Tubes};
 use crate::{Skeleton, math};
-use glam::Vec3;
+use glam::{Vec2, Vec3, Vec4};
 use serde_json::Value;
 
 fn tree() -> Mesh {
@@ -49,7 +49,7 @@ fn everything_comes_back() {
     let mut end = 0;
     for view in views {
         assert_eq!((number(&view["byteOffset"]), end % 4), (end, 0));
-        end += number(&view["byteLength"]);
+        end += number(&view["byteLength"]).next_multiple_of(4);
     }
     assert_eq!((end, accessors.len()), (buffer.len(), views.len()));
 
@@ -82,7 +82,11 @@ fn everything_comes_back() {
         same(name, "VEC3", mesh.wind.iter().flat_map(|wind| wind.axes[level].to_array()).collect());
     }
     same("_WIND_FLUTTER", "SCALAR", mesh.wind.iter().map(|wind| wind.flutter).collect());
-    assert_eq!(words(&primitive["indices"], mesh.indices.len(), "SCALAR", 34963), mesh.indices);
+    // Two indices a word, for there are few vertices; the last one may be alone.
+    let pairs = words(&primitive["indices"], mesh.indices.len(), "SCALAR", 34963);
+    let mut indices: Vec<_> = pairs.iter().flat_map(|pair| [pair & 0xFFFF, pair >> 16]).collect();
+    indices.truncate(mesh.indices.len());
+    assert_eq!(indices, mesh.indices);
 
     let position = &accessors[0];
     let bounds = mesh.bounds().expect("vertices");
@@ -117,7 +121,7 @@ fn names_are_escaped() {
 #[test]
 fn extreme_numbers_come_back() {
     for scale in [f32::MIN_POSITIVE, 1e-30, 1.0 / 3.0, 1e30] {
-        let text = document::numbers(&[scale, -scale, -0.0]);
+        let text = text::numbers(&[scale, -scale, -0.0]);
         let back: [f32; 3] = serde_json::from_str(&text).expect("valid JSON");
         assert_eq!(back.map(f32::to_bits), [scale, -scale, -0.0].map(f32::to_bits));
     }
@@ -160,7 +164,8 @@ fn meshes_and_materials_are_written_once() {
     let leaves = Part::new(&leaf).with_name("leaves").with_material(Material::leaf());
     let level = |count: usize| [Part::new(&bark), leaves.with_instances(&instances[..count])];
     let mut glb = Vec::new();
-    let options = GlbOptions::default().with_coverages([0.5, 0.25, 0.0]);
+    let options =
+        GlbOptions::default().with_coverages([0.5, 0.25, 0.0]).with_instancing(Instancing::Extension);
     write_glb_levels(&[level(3), level(2), level(0)], &options, &mut glb).expect("sound");
     let (json, buffer) = read(&glb);
     assert_eq!(json["extensionsUsed"], serde_json::json!(["EXT_mesh_gpu_instancing", "MSFT_lod"]));
@@ -190,4 +195,311 @@ fn meshes_and_materials_are_written_once() {
     );
     assert!(materials.iter().all(|material| material["pbrMetallicRoughness"]["metallicFactor"] == 0));
     assert_eq!(json["buffers"][0]["byteLength"], buffer.len());
+}
+
+/// Every vertex of every mesh as any core reader finds it: nodes' transforms, accessors, no extension but rounded numbers.
+fn shown(glb: &[u8]) -> Vec<(Vec3, Option<[f32; 3]>)> {
+    let (json, buffer) = read(glb);
+    let mut found = Vec::new();
+    let nodes = json["nodes"].as_array().expect("nodes");
+    let float = |value: &Value| value.as_f64().expect("a number") as f32;
+    let mut open = vec![(json["scenes"][0]["nodes"][0].clone(), Transform::IDENTITY)];
+    while let Some((node, above)) = open.pop() {
+        let node = &nodes[node.as_u64().expect("an index") as usize];
+        let floats = |key: &str| node[key].as_array().map(|v| v.iter().map(float).collect::<Vec<_>>());
+        let transform = above.after(&Transform {
+            position: floats("translation").map_or(Vec3::ZERO, |v| Vec3::from_slice(&v)),
+            rotation: floats("rotation").map_or(glam::Quat::IDENTITY, |v| glam::Quat::from_slice(&v)),
+            scale: floats("scale").map_or(1.0, |v| v[0]),
+        });
+        open.extend(
+            node["children"].as_array().into_iter().flatten().map(|child| (child.clone(), transform)),
+        );
+        let Some(mesh) = node["mesh"].as_u64() else { continue };
+        for primitive in json["meshes"][mesh as usize]["primitives"].as_array().expect("primitives") {
+            let numbers = |accessor: &Value| -> Vec<Vec<f32>> {
+                let accessor = &json["accessors"][accessor.as_u64().expect("an index") as usize];
+                let view = &json["bufferViews"][accessor["bufferView"].as_u64().expect("a view") as usize];
+                let width = match accessor["type"].as_str() {
+                    Some("SCALAR") => 1,
+                    Some("VEC2") => 2,
+                    Some("VEC3") => 3,
+                    _ => 4,
+                };
+                let component = accessor["componentType"].as_u64().expect("a type");
+                let size = match component {
+                    5120 | 5121 => 1,
+                    5123 => 2,
+                    _ => 4,
+                };
+                let stride = view["byteStride"].as_u64().unwrap_or(size * width) as usize;
+                let start =
+                    view["byteOffset"].as_u64().unwrap_or(0) + accessor["byteOffset"].as_u64().unwrap_or(0);
+                let scale = if accessor["normalized"] == true {
+                    [127.0, 255.0, 0.0, 65_535.0][(component - 5120) as usize]
+                } else {
+                    1.0
+                };
+                let count = accessor["count"].as_u64().expect("a count") as usize;
+                let at = |element: usize, i: u64| {
+                    let at = start as usize + element * stride + (i * size) as usize;
+                    match component {
+                        5120 => f32::from(buffer[at] as i8) / scale,
+                        5121 => f32::from(buffer[at]) / scale,
+                        5123 => f32::from(u16::from_le_bytes([buffer[at], buffer[at + 1]])) / scale,
+                        5125 => word(buffer, at) as f32,
+                        _ => f32::from_bits(word(buffer, at)),
+                    }
+                };
+                (0..count).map(|element| (0..width).map(|i| at(element, i)).collect()).collect()
+            };
+            let positions = numbers(&primitive["attributes"]["POSITION"]);
+            let colors = primitive["attributes"].get("COLOR_0").map(numbers);
+            for index in numbers(&primitive["indices"]) {
+                let index = index[0] as usize;
+                let color =
+                    colors.as_ref().map(|colors| [colors[index][0], colors[index][1], colors[index][2]]);
+                found.push((transform.point(Vec3::from_slice(&positions[index])), color));
+            }
+        }
+    }
+    found
+}
+
+/// Bark, and so many leaves in two tints.
+fn crown(leaf: &Mesh, count: usize) -> Vec<Instance> {
+    let place = |i: usize| Instance {
+        position: Vec3::new(math::sin(i as f32), i as f32 / 3.0, math::cos(i as f32)),
+        rotation: glam::Quat::from_xyzw(0.6, 0.0, 0.0, 0.8),
+        scale: 0.5,
+        tint: if i.is_multiple_of(2) { [1.0; 3] } else { [1.0, 0.8, 0.2] },
+        ..Instance::IDENTITY
+    };
+    assert!(!leaf.is_empty());
+    (0..count).map(place).collect()
+}
+
+#[test]
+fn every_form_shows_every_leaf() {
+    let (bark, mut leaf) = (tree(), tree());
+    leaf.colors.clear();
+    for count in [1, 3, 2_000] {
+        let copies = crown(&leaf, count);
+        let quarter = glam::Quat::from_xyzw(0.0, 0.6, 0.0, 0.8);
+        let parts = [
+            Part::new(&bark),
+            Part::new(&leaf).with_name("leaves").with_instances(&copies).at(Vec3::X * 7.0, quarter, 1.5),
+        ];
+        let expected: Vec<_> = parts
+            .iter()
+            .flat_map(|part| {
+                let of = |copy: Instance| {
+                    let at =
+                        move |&i: &u32| copy.matrix() * part.mesh().positions[i as usize] + copy.position;
+                    part.mesh().indices.iter().map(at).collect::<Vec<_>>()
+                };
+                part.placed().iter().copied().flat_map(of).collect::<Vec<_>>()
+            })
+            .collect();
+        for instancing in [Instancing::Merged, Instancing::Nodes] {
+            for quantization in [false, true] {
+                let options = GlbOptions::default()
+                    .with_instancing(instancing)
+                    .with_quantization(quantization)
+                    .with_origin(Vec3::new(1.0, 2.0, 3.0));
+                let mut glb = Vec::new();
+                write_glb_parts(&parts, &options, &mut glb).expect("sound");
+                let mut found = shown(&glb);
+                assert_eq!(found.len(), expected.len(), "{instancing:?} {quantization}");
+                // Nodes come off the stack in another order; each vertex has one in its place.
+                let key = |p: Vec3| (p.y * 64.0).floor() as i64;
+                let mut order: Vec<_> = expected.iter().map(|&p| p - Vec3::new(1.0, 2.0, 3.0)).collect();
+                let sort = |points: &mut Vec<Vec3>| {
+                    points.sort_by(|a, b| key(*a).cmp(&key(*b)).then(a.x.total_cmp(&b.x)));
+                };
+                let mut points: Vec<_> = found.iter().map(|vertex| vertex.0).collect();
+                let sum = |points: &[Vec3]| points.iter().map(|point| point.as_dvec3()).sum::<glam::DVec3>();
+                let (a, b) = (sum(&points), sum(&order));
+                let size = 1e-3 * found.len() as f64;
+                assert!((a - b).abs().max_element() < size, "{instancing:?} {quantization} {a} {b}");
+                if !quantization && instancing == Instancing::Merged {
+                    sort(&mut points);
+                    sort(&mut order);
+                    let bounds = |points: &[Vec3]| crate::Bounds::of(points.iter().copied());
+                    let (found, wanted) = (bounds(&points), bounds(&order));
+                    assert!((found.min - wanted.min).abs().max_element() < 1e-3);
+                    assert!((found.max - wanted.max).abs().max_element() < 1e-3);
+                }
+                if instancing == Instancing::Merged && count > 1 {
+                    found.retain(|vertex| {
+                        vertex.1.is_some_and(|[_, g, b]| (g - 0.8).abs() < 0.003 && (b - 0.2).abs() < 0.003)
+                    });
+                    let leaves = count / 2 * leaf.indices.len();
+                    assert_eq!(found.len(), leaves, "tinted corners");
+                }
+                let (json, _) = read(&glb);
+                assert_eq!(json["extensionsRequired"].is_null(), !quantization);
+                if instancing == Instancing::Nodes && count > 1 {
+                    assert_eq!(json["materials"].as_array().map(Vec::len), Some(3));
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn tints_go_with_instances() {
+    let mesh = tree();
+    let copies = crown(&mesh, 4);
+    let parts = [Part::new(&mesh).with_instances(&copies)];
+    for quantization in [false, true] {
+        let options =
+            GlbOptions::default().with_instancing(Instancing::Extension).with_quantization(quantization);
+        let mut glb = Vec::new();
+        write_glb_parts(&parts, &options, &mut glb).expect("sound");
+        let (json, buffer) = read(&glb);
+        let attributes = &json["nodes"][1]["extensions"]["EXT_mesh_gpu_instancing"]["attributes"];
+        let floats = |name: &str| -> Vec<f32> {
+            let view = &json["bufferViews"][attributes[name].as_u64().expect(name) as usize];
+            let start = view["byteOffset"].as_u64().expect("a start") as usize;
+            let bytes = view["byteLength"].as_u64().expect("a length") as usize;
+            (start..start + bytes).step_by(4).map(|at| f32::from_bits(word(buffer, at))).collect()
+        };
+        assert_eq!(floats("_COLOR_0")[..6], [1.0, 1.0, 1.0, 1.0, 0.8, 0.2]);
+        // A corner of the box, taken back by the first instance.
+        let position = &json["accessors"][0];
+        let corner = |key: &str| {
+            let numbers: Vec<_> =
+                (0..3).map(|axis| position[key][axis].as_f64().expect("a number") as f32).collect();
+            Vec3::from_slice(&numbers)
+        };
+        let copy = Instance {
+            position: Vec3::from_slice(&floats("TRANSLATION")[..3]),
+            rotation: glam::Quat::from_slice(&floats("ROTATION")[..4]),
+            scale: floats("SCALE")[0],
+            ..Instance::IDENTITY
+        };
+        let low = mesh.bounds().expect("vertices").min;
+        let expected = copies[0].transform().point(low);
+        assert!(copy.transform().point(corner("min")).abs_diff_eq(expected, 1e-4), "{quantization}");
+    }
+}
+
+#[test]
+fn levels_may_be_named() {
+    let mesh = tree();
+    let levels = [[Part::new(&mesh)], [Part::new(&mesh)]];
+    let mut glb = Vec::new();
+    write_glb_levels(&levels, &GlbOptions::default().with_levels(LevelNodes::Named), &mut glb)
+        .expect("sound");
+    let (json, _) = read(&glb);
+    let names: Vec<_> = (0..3).map(|i| json["nodes"][i]["name"].clone()).collect();
+    assert_eq!(names, ["tree", "tree_LOD0", "tree_LOD1"]);
+    assert_eq!(
+        (json["nodes"][0]["children"].clone(), json["extensionsUsed"].clone()),
+        ([1, 2].into(), Value::Null)
+    );
+}
+
+#[test]
+fn a_stand_has_each_mesh_once() {
+    let kinds = [tree(), Mesh::new(vec![Vec3::ZERO, Vec3::X, Vec3::Y], vec![Vec3::Z; 3], vec![0, 1, 2])];
+    // As many meshes in memory as trees.
+    let own: Vec<_> = (0..20).map(|i| kinds[i % 2].clone()).collect();
+    let copies: Vec<_> = own.iter().map(|mesh| crown(mesh, 5)).collect();
+    let trees: Vec<_> = own
+        .iter()
+        .zip(&copies)
+        .map(|(mesh, copies)| [Part::new(mesh), Part::new(mesh).with_instances(copies)])
+        .collect();
+    let stand = trees.iter().enumerate().fold(Scene::default(), |stand, (i, tree)| {
+        stand.with_asset("tree", tree, Transform::at(Vec3::X * i as f32))
+    });
+    for instancing in [Instancing::Merged, Instancing::Extension, Instancing::Nodes] {
+        let options = GlbOptions::default().with_instancing(instancing);
+        let mut glb = Vec::new();
+        write_glb_scene(&stand, &options, &mut glb).expect("sound");
+        let (json, buffer) = read(&glb);
+        let geometries = if instancing == Instancing::Merged { 4 } else { 2 };
+        let positions: std::collections::BTreeSet<_> = json["meshes"]
+            .as_array()
+            .expect("meshes")
+            .iter()
+            .map(|mesh| mesh["primitives"][0]["attributes"]["POSITION"].as_u64().expect("an accessor"))
+            .collect();
+        assert_eq!(positions.len(), geometries, "{instancing:?}");
+        assert_eq!(json["nodes"][0]["children"].as_array().map(Vec::len), Some(20));
+        assert!(buffer.len() < 200_000);
+    }
+    let nothing = Scene::default();
+    assert!(matches!(
+        write_glb_scene(&nothing, &GlbOptions::default(), io::sink()),
+        Err(ExportError::EmptyMesh)
+    ));
+    let lost = Scene::default().with_asset("lost", &trees[0], Transform::at(Vec3::NAN));
+    let error = write_glb_scene(&lost, &GlbOptions::default(), io::sink()).expect_err("no place").to_string();
+    assert!(error.starts_with("Scene.transform is "), "{error}");
+    let options = GlbOptions::default().with_origin(Vec3::INFINITY);
+    let error = write_glb_scene(&stand, &options, io::sink()).expect_err("no place").to_string();
+    assert!(error.starts_with("GlbOptions.origin is "), "{error}");
+}
+
+#[test]
+fn what_four_gibibytes_cannot_hold_is_refused_at_once() {
+    let mesh = Mesh::new(vec![Vec3::ZERO; 70_000], vec![Vec3::Z; 70_000], vec![0, 1, 2]);
+    let copies = vec![Instance::IDENTITY; 6_000];
+    let parts = [Part::new(&mesh).with_instances(&copies)];
+    let error = write_glb_parts(&parts, &GlbOptions::default(), io::sink()).expect_err("too much");
+    assert!(matches!(error, ExportError::TooLarge { bytes, .. } if bytes > u64::from(u32::MAX)));
+}
+
+#[cfg(feature = "texture")]
+#[test]
+fn images_are_written_once_and_named_by_materials() {
+    use crate::texture::{Image, Textures};
+    let image = |tone, channels: u8| {
+        Image::new(4, 4, channels, vec![tone; 16 * usize::from(channels)]).expect("sizes fit")
+    };
+    let worn = || {
+        Textures::default()
+            .with_base_color(image(200, 4))
+            .with_normal(image(128, 3))
+            .with_occlusion_roughness_metallic(image(90, 3))
+            .with_transmission(image(50, 3))
+            .with_alpha_cutoff(0.5)
+    };
+    // The same in two places of memory.
+    let (one, two) = (worn(), worn());
+    let mesh = tree();
+    let leaf = Material::leaf().with_color([0.5, 1.0, 0.25]);
+    let parts = [&one, &two].map(|worn| Part::new(&mesh).with_material(leaf).with_textures(worn));
+    let other = parts[0].with_name("other");
+    let mut glb = Vec::new();
+    write_glb_parts(&[parts[0], parts[1], other, Part::new(&mesh)], &GlbOptions::default(), &mut glb)
+        .expect("sound");
+    let (json, buffer) = read(&glb);
+    let count = |key: &str| json[key].as_array().map_or(0, Vec::len);
+    assert_eq!((count("images"), count("textures"), count("samplers"), count("materials")), (4, 4, 1, 3));
+    assert_eq!(json["extensionsUsed"], serde_json::json!(["KHR_materials_diffuse_transmission"]));
+    assert!(json["extensionsRequired"].is_null());
+    let material = &json["materials"][0];
+    let pbr = &material["pbrMetallicRoughness"];
+    assert_eq!(pbr["baseColorFactor"], serde_json::json!([0.5, 1, 0.25, 1]));
+    assert_eq!(
+        (pbr["metallicFactor"].clone(), pbr["baseColorTexture"]["index"].clone()),
+        (1.into(), 0.into())
+    );
+    assert_eq!(pbr["metallicRoughnessTexture"], material["occlusionTexture"]);
+    assert_eq!((material["alphaMode"].clone(), material["alphaCutoff"].clone()), ("MASK".into(), 0.5.into()));
+    for (index, image) in
+        [one.base_color(), one.normal(), one.occlusion_roughness_metallic(), one.transmission()]
+            .into_iter()
+            .enumerate()
+    {
+        let view =
+            &json["bufferViews"][json["images"][index]["bufferView"].as_u64().expect("a view") as usize];
+        let start = view["byteOffset"].as_u64().expect("a start") as usize;
+        let png = &buffer[start..start + view["byteLength"].as_u64().expect("a length") as usize];
+        assert_eq!(Some(&Image::read_png(io::Cursor::new(png)).expect("a PNG")), image);
+    }
 }

@@ -1,6 +1,5 @@
 //! The wind of vertices as glTF attributes.
 
-use super::Data;
 use crate::surface::{Mesh, Wind};
 use glam::Vec3;
 
@@ -22,7 +21,7 @@ pub enum WindEncoding {
 }
 
 /// What of the wind an attribute has.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Column {
     Moment(usize),
     Axis(usize),
@@ -62,7 +61,7 @@ impl Column {
 }
 
 /// The attributes that carry a mesh's wind.
-pub(super) fn attributes(mesh: &Mesh, encoding: WindEncoding) -> Vec<(&'static str, Data<'_>)> {
+pub(super) fn columns(mesh: &Mesh, encoding: WindEncoding) -> Vec<(&'static str, Column)> {
     const SETS: [&str; 8] = [
         "TEXCOORD_0",
         "TEXCOORD_1",
@@ -73,7 +72,7 @@ pub(super) fn attributes(mesh: &Mesh, encoding: WindEncoding) -> Vec<(&'static s
         "TEXCOORD_6",
         "TEXCOORD_7",
     ];
-    let columns = match encoding {
+    match encoding {
         _ if mesh.wind.is_empty() => Vec::new(),
         WindEncoding::None => Vec::new(),
         WindEncoding::Attributes => vec![
@@ -88,8 +87,7 @@ pub(super) fn attributes(mesh: &Mesh, encoding: WindEncoding) -> Vec<(&'static s
         WindEncoding::TexCoords => {
             (usize::from(!mesh.uvs.is_empty())..8).map(|set| (SETS[set], Column::Pair(set))).collect()
         }
-    };
-    columns.into_iter().map(|(name, column)| (name, Data::Wind(&mesh.wind, column))).collect()
+    }
 }
 
 /// A unit vector as a point of the square from -1 to 1; zero as zero.

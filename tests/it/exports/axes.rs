@@ -25,11 +25,13 @@ fn poles_stand_where_z_is_up() {
     {
         for (up, sign) in [(UpAxis::Y, "+Y up"), (UpAxis::Z, "+Z up")] {
             let axes = Axes::default().with_up(up).with_unit(unit);
-            let mut files = [const { Vec::new() }; 3];
+            let mut files = [const { Vec::new() }; 4];
             export::write_stl_with(&parts, axes, &mut files[0]).unwrap();
             export::write_ply_with(&parts, PlyFormat::Binary, axes, &mut files[1]).unwrap();
             export::write_ply_with(&parts, PlyFormat::Ascii, axes, &mut files[2]).unwrap();
-            for (file, format) in files.iter().zip([MeshFormat::Stl, MeshFormat::Ply, MeshFormat::Ply]) {
+            export::write_obj_with(&parts, "tree.mtl", axes, &mut files[3]).unwrap();
+            let formats = [MeshFormat::Stl, MeshFormat::Ply, MeshFormat::Ply, MeshFormat::Obj];
+            for (file, format) in files.iter().zip(formats) {
                 let head = String::from_utf8_lossy(&file[..file.len().min(150)]);
                 assert!(head.contains(&format!("{name}, {sign}")), "{head}");
                 let plain = Import::default().read(format, Cursor::new(file)).unwrap().bounds();
@@ -53,4 +55,20 @@ fn poles_stand_where_z_is_up() {
             export::write_ply_with(&parts, PlyFormat::Binary, axes, &mut file).is_err() && file.is_empty()
         );
     }
+}
+
+#[test]
+fn origins_may_be_elsewhere() {
+    let mesh = pole();
+    let parts = [Part::new(&mesh)];
+    let axes = Axes::default().with_up(UpAxis::Z).with_unit(0.01).with_origin(Vec3::Y * 9.0);
+    let mut stl = Vec::new();
+    export::write_stl_with(&parts, axes, &mut stl).unwrap();
+    let found = Import::default().read(MeshFormat::Stl, Cursor::new(&stl)).unwrap().bounds();
+    let bounds = mesh.bounds().unwrap();
+    assert!((found.min.z - (bounds.min.y - 9.0) * 100.0).abs() < 1e-2, "{found:?}");
+    assert!((found.max.z - (bounds.max.y - 9.0) * 100.0).abs() < 1e-2, "{found:?}");
+    let lost = Axes::default().with_origin(Vec3::NAN);
+    let error = export::write_obj_with(&parts, "a", lost, std::io::sink()).unwrap_err().to_string();
+    assert!(error.starts_with("Axes.origin is "), "{error}");
 }

@@ -2,6 +2,8 @@
 
 #[cfg(feature = "import")]
 mod axes;
+#[cfg(feature = "texture")]
+mod whole;
 
 use crate::sample::{cases, fnv1a};
 use proptest::prelude::*;
@@ -154,7 +156,8 @@ fn the_gltf_crate_reads_the_glb() {
     let parts = [Part::new(&bark), leaves.part()];
     let options = GlbOptions::default().with_name("elm");
     let levels = [&parts[..], &parts[..1]];
-    let glb = bytes(|out| write_glb_levels(&levels, &options, out));
+    let extension = options.clone().with_instancing(Instancing::Extension);
+    let glb = bytes(|out| write_glb_levels(&levels, &extension, out));
     let read = ::gltf::Gltf::from_slice(&glb).unwrap();
     assert_eq!((read.nodes().len(), read.meshes().len(), read.materials().len()), (4, 2, 2));
     let root = read.default_scene().unwrap().nodes().next().unwrap();
@@ -192,7 +195,8 @@ fn the_gltf_crate_reads_the_glb() {
 fn instances_in_the_glb_are_the_leaves() {
     let (mesh, copies) = kites();
     let parts = [Part::new(&mesh).with_instances(&copies)];
-    let glb = bytes(|out| write_glb_parts(&parts, &GlbOptions::default(), out));
+    let options = GlbOptions::default().with_instancing(Instancing::Extension);
+    let glb = bytes(|out| write_glb_parts(&parts, &options, out));
     let read = ::gltf::Gltf::from_slice(&glb).unwrap();
     let node = read.nodes().nth(1).unwrap();
     let attributes = &node.extension_value("EXT_mesh_gpu_instancing").unwrap()["attributes"];
@@ -260,6 +264,7 @@ fn small_files_are_as_ever() {
     golden("kites-uv.ply", &bytes(|out| write_ply(&parts[..1], PlyFormat::Ascii, out)));
     golden("kites.stl", &bytes(|out| write_stl(&parts, out)));
     golden("kites.glb", &bytes(|out| write_glb_parts(&parts, &GlbOptions::default(), out)));
+    golden("kites.usda", &bytes(|out| write_usda(&UsdStage::of_parts(&parts), out)));
     let fork = Skeleton::new(
         vec![Vec3::ZERO, Vec3::Y, Vec3::new(-0.5, 1.8, 0.0), Vec3::new(0.5, 1.8, -0.5)],
         vec![None, Some(0), Some(1), Some(1)],
@@ -305,7 +310,7 @@ type Writer<'a> = &'a dyn Fn(&mut dyn Write) -> Result<(), ExportError>;
 fn a_full_disk_is_reported() {
     let (skeleton, bark, leaves) = tree();
     let parts = [Part::new(&bark), leaves.part()];
-    let writers: [Writer<'_>; 8] = [
+    let writers: [Writer<'_>; 10] = [
         &|out| write_obj(&parts, "tree.mtl", out),
         &|out| write_mtl(&parts, out),
         &|out| write_ply(&parts, PlyFormat::Binary, out),
@@ -314,6 +319,8 @@ fn a_full_disk_is_reported() {
         &|out| write_svg(&skeleton, &SvgOptions::default(), out),
         &|out| write_glb_parts(&parts, &GlbOptions::default(), out),
         &|out| write_skeleton(&skeleton, out),
+        &|out| write_usda(&UsdStage::of_parts(&parts), out),
+        &|out| write_usdz(&UsdStage::of_parts(&parts), out),
     ];
     for write in writers {
         let mut whole = Vec::new();
@@ -333,12 +340,13 @@ fn what_is_wrong_is_named_and_nothing_written() {
     broken.positions[2].y = f32::NAN;
     let nothing = Mesh::default();
     let wrong_look = Part::new(&mesh).with_material(Material::leaf().with_roughness(7.0));
-    let cases: [(&[Part<'_>], &str); 5] = [
+    let cases: [(&[Part<'_>], &str); 6] = [
         (&[], "no triangles"),
         (&[Part::new(&nothing)], "no triangles"),
         (&[Part::new(&mesh).with_instances(&[])], "no triangles"),
         (&[Part::new(&mesh), Part::new(&broken)], "vertex 2"),
         (&[wrong_look], "Material.roughness is 7.0"),
+        (&[Part::new(&mesh).at(Vec3::X, Quat::IDENTITY, 0.0)], "Part.transform is "),
     ];
     for (parts, expected) in cases {
         let mut out = Vec::new();
@@ -348,6 +356,8 @@ fn what_is_wrong_is_named_and_nothing_written() {
             write_ply(parts, PlyFormat::Binary, &mut out).unwrap_err(),
             write_stl(parts, &mut out).unwrap_err(),
             write_glb_parts(parts, &GlbOptions::default(), &mut out).unwrap_err(),
+            write_usda(&UsdStage::of_parts(parts), &mut out).unwrap_err(),
+            write_usdz(&UsdStage::of_parts(parts), &mut out).unwrap_err(),
         ];
         assert!(errors.iter().all(|error| error.to_string().contains(expected)), "{errors:?}");
         assert!(out.is_empty());
