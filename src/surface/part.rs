@@ -3,7 +3,7 @@
 use super::{Material, Mesh, MeshError};
 use crate::ParameterError;
 #[cfg(feature = "texture")]
-use crate::texture::Textures;
+use crate::texture::{TextureError, Textures};
 use glam::{Mat3, Quat, Vec3};
 
 /// Where one copy of a mesh stands: scaled, then turned, then moved.
@@ -156,6 +156,15 @@ impl<'a> Part<'a> {
     pub(crate) fn check<E: From<ParameterError> + From<MeshError>>(&self) -> Result<(), E> {
         self.material.check()?;
         self.mesh.check_arrays()?;
+        #[cfg(feature = "texture")]
+        if let Some(textures) = self.textures {
+            if let Err(TextureError::Parameter(error)) = textures.check() {
+                return Err(error.into());
+            }
+            if self.mesh.uvs.is_empty() && !self.mesh.positions.is_empty() {
+                return Err(MeshError::NoUvs { vertices: self.mesh.positions.len() }.into());
+            }
+        }
         let reach = self.mesh.positions.iter().map(|p| p.abs().max_element()).fold(0.0, f32::max);
         if let Some(index) = self.copies().iter().position(|instance| !instance.is_sound(2.0 * reach)) {
             return Err(MeshError::Instance { index, instance: self.copies()[index] }.into());

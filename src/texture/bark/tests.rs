@@ -49,7 +49,11 @@ fn opposite_edges_continue() {
             for down in [false, true] {
                 let all = differences(map, down);
                 let inside = all[1..].iter().fold(0.0, |most: f32, &d| most.max(d));
-                assert!(all[0] <= chance * inside + 0.5, "{} > {inside}: map {number}, {down}, {bark:?}", all[0]);
+                assert!(
+                    all[0] <= chance * inside + 0.5,
+                    "{} > {inside}: map {number}, {down}, {bark:?}",
+                    all[0]
+                );
             }
         }
     });
