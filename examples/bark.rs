@@ -34,7 +34,9 @@ cargo run --release --example bark -- [OPTIONS]
 /// The trunk's and the limb's radius, metres.
 const RADII: [f32; 2] = [0.24, 0.055];
 /// How far they are apart.
-const APART: f32 = 0.38;
+const APART: f32 = 0.34;
+/// What the bark's light is multiplied by, so that white bark in the sun is not whiter than paper.
+const EXPOSURE: [f32; 3] = [0.55; 3];
 /// Height of what is seen of them.
 const SEEN: f32 = 0.78;
 
@@ -101,10 +103,10 @@ fn run() -> Result<(), Failure> {
             }
         }
         let mut picture = draw(&sets, size)?;
-        picture.label(name, 8, 8, 2, [255; 3]);
+        picture.label(name, 6, 6, 1, [20; 3]);
         pictures.push(picture);
     }
-    let columns = pictures.len().min(3);
+    let columns = pictures.len().min(3) as u32;
     let sheet = Picture::sheet(&pictures, columns, 6, [255; 3])?;
     let path = outputs.path("barks.png");
     outputs.write(&path, |file| Ok(sheet.write_png(file)?))?;
@@ -132,10 +134,11 @@ fn write(outputs: &mut Outputs, name: &str, set: &BarkSet) -> Result<(), Failure
 fn draw(sets: &[BarkSet; 2], size: u32) -> Result<Picture, Failure> {
     let poles = [pole(0.0, RADII[0], sets[0].size)?, pole(APART, RADII[1], sets[1].size)?];
     let parts = [0, 1].map(|i| {
-        let part = Part::new(&poles[i]).with_material(Material::white().with_roughness(1.0));
+        let part =
+            Part::new(&poles[i]).with_material(Material::white().with_color(EXPOSURE).with_roughness(1.0));
         part.with_textures(&sets[i].textures)
     });
-    let low = Vec3::new(-RADII[0] - 0.02, 0.6, -RADII[0]);
+    let low = Vec3::new(-RADII[0] - 0.14, 0.6, -RADII[0]);
     let frame = Bounds { min: low, max: Vec3::new(APART + RADII[1] + 0.02, 0.6 + SEEN, RADII[0]) };
     let camera = Camera::default().with_elevation(0.0).with_azimuth(0.0).with_frame(frame).with_margin(0.0);
     let preview = Preview::default().with_size(size, size).with_camera(camera).with_ground(false);
