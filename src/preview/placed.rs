@@ -26,11 +26,12 @@ impl<'a> Placed<'a> {
         let placed = parts.iter().filter(|part| part.triangles() > 0).map(|part| {
             let wear = part.textures().map(|textures| {
                 let known = wears.iter().find(|(other, _)| std::ptr::eq(*other, textures));
-                known.map(|(_, wear)| wear.clone()).unwrap_or_else(|| {
-                    let wear = Arc::new(Wear::new(textures));
-                    wears.push((textures, wear.clone()));
-                    wear
-                })
+                if let Some((_, wear)) = known {
+                    return wear.clone();
+                }
+                let wear = Arc::new(Wear::new(textures));
+                wears.push((textures, wear.clone()));
+                wear
             });
             Self::new(part, wear)
         });

@@ -47,6 +47,7 @@ use std::f32::consts::PI;
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[derive(Debug, Clone, PartialEq)]
+#[expect(clippy::struct_excessive_bools, reason = "each is an option of its own")]
 pub struct Tubes {
     sides: u32,
     least_sides: u32,

@@ -124,7 +124,7 @@ fn mean(rows: &[Row], of: impl Fn(f32, usize) -> f32 + Sync + Send) -> [f64; 3] 
 
 /// Spreads colours about their mean, and returns what they are to be multiplied by for the mean that is wanted.
 fn balance(rows: &mut [Row], wanted: Color, spread: f32) -> Color {
-    if spread != 1.0 {
+    if (spread - 1.0).abs() > 0.0 {
         let middle = mean(rows, |value, _| value).map(|mean| mean as f32);
         parallel::each_mut(rows, |_, row| {
             for color in &mut row.colors {
