@@ -39,6 +39,8 @@ impl Purpose {
     pub const AZIMUTH: Self = Self(41);
     /// How a tree that grows by positional information differs from the next: directions, lifespans, falling leaves.
     pub const GROWTH: Self = Self(48);
+    /// Where the points and gradients of a bark texture lie.
+    pub const BARK: Self = Self(72);
     /// The first purpose that the crate itself never uses.
     pub const CUSTOM: Self = Self(1 << 16);
 }

@@ -64,10 +64,10 @@ impl Ambient {
         })
     }
 
-    /// Adds a triangle; two-sided ones hide twice as much, for they have a surface on either side.
+    /// Adds a `share` of a triangle; two-sided ones hide twice as much, for they have a surface on either side.
     #[inline]
-    pub(super) fn add(&mut self, [a, b, c]: [Vec3; 3], two_sided: bool) {
-        let area = (b - a).cross(c - a).length() * if two_sided { 1.0 } else { 0.5 };
+    pub(super) fn add(&mut self, [a, b, c]: [Vec3; 3], two_sided: bool, share: f32) {
+        let area = share * (b - a).cross(c - a).length() * if two_sided { 1.0 } else { 0.5 };
         self.add_area((a + b + c) / 3.0, area);
     }
 
@@ -178,7 +178,7 @@ mod tests {
         let mut ambient = Ambient::new(bounds);
         for i in 0..1600 {
             let corner = Vec3::new((i % 40) as f32 * 0.1 - 2.0, 2.5, (i / 40) as f32 * 0.1 - 2.0);
-            ambient.add([corner, corner + Vec3::Z * 0.1, corner + Vec3::X * 0.1], true);
+            ambient.add([corner, corner + Vec3::Z * 0.1, corner + Vec3::X * 0.1], true, 1.0);
         }
         ambient.finish();
         let light = |y: f32| ambient.light(Vec3::new(0.0, y, 0.0), Vec3::Y);

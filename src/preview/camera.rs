@@ -267,6 +267,16 @@ impl View {
         }
     }
 
+    /// Whether nearness is one over the depth, so that only what is divided by it is linear over the picture.
+    pub(super) fn is_perspective(&self) -> bool {
+        self.perspective
+    }
+
+    /// The unit vector from a point to the camera.
+    pub(super) fn towards(&self, point: Vec3) -> Vec3 {
+        if self.perspective { (self.eye - point).normalize_or(self.axes.back) } else { self.axes.back }
+    }
+
     /// How near a point in front of the camera is, as [`project`](Self::project) has it.
     #[inline]
     pub(super) fn nearness(&self, point: Vec3) -> f32 {

@@ -7,6 +7,7 @@ mod cast;
 mod soft;
 mod strip;
 mod tone;
+mod worn;
 
 use super::camera::View;
 use super::light::{Light, Lit, Seen};
@@ -41,6 +42,8 @@ const THIN: f32 = 1.5;
 const THIN_LEAF: f32 = 0.4;
 /// A facet smaller than this many pixels is shaded once and not at every pixel.
 const SMALL: f32 = 4.0;
+/// The same of a facet with images, which are not of one colour.
+const SMALL_WORN: f32 = 1.0;
 
 /// The weights of a triangle's corners in its middle.
 const MIDDLE: [f32; 3] = [1.0 / 3.0; 3];
@@ -118,7 +121,8 @@ impl<'a> Frame<'a> {
                     let thin = raster::is_thin(places, if part.two_sided() { THIN_LEAF } else { THIN });
                     let [a, b, c] = places.map(Vec3::xy);
                     let extent = (a.max(b).max(c) - a.min(b).min(c)).max_element();
-                    let small = extent < SMALL * self.samples as f32;
+                    let small =
+                        extent < if part.wear().is_some() { SMALL_WORN } else { SMALL } * self.samples as f32;
                     self.facets.push(Facet {
                         part: number as u32,
                         corners,
@@ -236,11 +240,21 @@ impl<'a> Frame<'a> {
             if facet.thin {
                 continue;
             }
-            raster::fill(self.places(facet), self.columns, rows.clone(), |x, y, nearness| {
+            let places = self.places(facet);
+            let mut put = |x: usize, y: usize, nearness: f32| {
                 let at = (y - strip.top) * self.columns + x;
                 if nearness > strip.solid[at] {
                     strip.solid[at] = nearness;
                     strip.facets[at] = member;
+                }
+            };
+            let Some(cutout) = self.cutout(facet) else {
+                raster::fill(places, self.columns, rows.clone(), put);
+                continue;
+            };
+            raster::fill(places, self.columns, rows.clone(), |x, y, nearness| {
+                if cutout.is_there(x as f32 + 0.5, y as f32 + 0.5) {
+                    put(x, y, nearness);
                 }
             });
         }
@@ -253,7 +267,11 @@ impl<'a> Frame<'a> {
         let rows = strip.top..strip.top + strip.rows;
         let mut cracks = Vec::new();
         for (member, facet) in thin() {
+            let cutout = self.cutout(facet);
             raster::fill(self.places(facet), self.columns, rows.clone(), |x, y, nearness| {
+                if cutout.as_ref().is_some_and(|cutout| !cutout.is_there(x as f32 + 0.5, y as f32 + 0.5)) {
+                    return;
+                }
                 let at = (y - strip.top) * self.columns + x;
                 strip.nearest[at] = strip.nearest[at].max(nearness);
                 if strip.facets[at] == NOTHING {
@@ -266,7 +284,11 @@ impl<'a> Frame<'a> {
         let low = Vec2::new(-margin, strip.top as f32 - margin);
         let high = Vec2::new(self.columns as f32, (strip.top + strip.rows) as f32) + margin;
         for (member, facet) in thin() {
+            let cutout = self.cutout(facet);
             raster::strew(self.places(facet), low, high, |place, area| {
+                if cutout.as_ref().is_some_and(|cutout| !cutout.is_there(place.x, place.y)) {
+                    return;
+                }
                 if strip.hides(place, self.view.step(place.z) * 2.0 * margin, self.columns) {
                     return;
                 }
@@ -286,10 +308,17 @@ impl<'a> Frame<'a> {
                 let seen = &mut copies[facet.part as usize][copy];
                 let seen = *seen.get_or_insert_with(|| self.light.seen(middle));
                 let normal = self.normal(facet, MIDDLE);
+                if let Some(surface) = self.worn_middle(facet, middle) {
+                    return self.light.falling_on(seen, normal, part.two_sided(), &surface);
+                }
                 part.color(facet.corners, MIDDLE) * self.light.falling(seen, normal, part.two_sided())
             } else {
                 let corners = facet.corners.map(|corner| part.positions[corner as usize]);
                 let middle = corners.iter().sum::<Vec3>() / 3.0;
+                if let Some(surface) = self.worn_middle(facet, middle) {
+                    let (normal, beams) = (self.normal(facet, MIDDLE), Sunbeams::all(FACET_BEAMS, 0, 0));
+                    return self.light.shaded(middle, normal, part.two_sided(), &surface, beams);
+                }
                 self.shade(facet, MIDDLE, middle, Sunbeams::all(FACET_BEAMS, 0, 0))
             }
         })
@@ -317,7 +346,12 @@ impl<'a> Frame<'a> {
         let share = |a: Vec3, b: Vec3| (raster::double_area([a, b, place]) / whole).clamp(0.0, 1.0);
         let (second, third) = (share(places[2], places[0]), share(places[0], places[1]));
         let beams = Sunbeams::all(FACET_BEAMS, x as usize, y as usize);
-        self.shade(facet, [1.0 - second - third, second, third], self.view.position(x, y, nearness), beams)
+        let (weights, point) = ([1.0 - second - third, second, third], self.view.position(x, y, nearness));
+        if let Some(surface) = self.worn(facet, weights, point, (x, y)) {
+            let part = &self.parts[facet.part as usize];
+            return self.light.shaded(point, self.normal(facet, weights), part.two_sided(), &surface, beams);
+        }
+        self.shade(facet, weights, point, beams)
     }
 
     /// A pixel, its sunlight from solids apart.

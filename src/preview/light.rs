@@ -3,6 +3,7 @@
 use super::ambient::Ambient;
 use super::ray::{Cast, Sunbeams, Sunlight};
 use super::shadow::ShadowMap;
+use super::wear::Cut;
 use crate::shape::Bounds;
 use glam::Vec3;
 
@@ -14,6 +15,11 @@ const SKY: Vec3 = Vec3::new(0.78, 0.9, 1.1);
 const TRANSMITTED: f32 = 0.5;
 /// Light from the ground on a surface that faces down.
 const GROUND: Vec3 = Vec3::new(0.5, 0.47, 0.43);
+
+/// By how much brighter relief may be in the sun than the surface without it.
+const STEEPEST: f32 = 5.0;
+/// The part of the light that wood and leaves mirror head-on.
+const MIRRORED: f32 = 0.04;
 
 /// Rays from a leaf to the sun.
 const LEAF_BEAMS: usize = 4;
@@ -36,6 +42,20 @@ pub(super) struct Lit {
     pub(super) light: Sunlight,
 }
 
+/// What images make of a place of a surface.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Surface {
+    /// The normal with relief, on the side that is seen.
+    pub(super) normal: Vec3,
+    pub(super) color: Vec3,
+    /// The colour of light from behind, if that has an image of its own.
+    pub(super) transmitted: Option<Vec3>,
+    /// 0 to 1: how open it is to the sky.
+    pub(super) occlusion: f32,
+    /// Roughness, and where the camera is; `None` for what does not shine.
+    pub(super) gloss: Option<(f32, Vec3)>,
+}
+
 pub(super) struct Light<'a> {
     sun: Vec3,
     shadow: ShadowMap,
@@ -56,11 +76,11 @@ impl<'a> Light<'a> {
         self.ambient.add_solid(solid, bounds);
     }
 
-    /// Adds a triangle that may stand in the light.
+    /// Adds a triangle that may stand in the light, and may have holes.
     #[inline]
-    pub(super) fn add(&mut self, corners: [Vec3; 3], two_sided: bool) {
-        self.shadow.add(corners, two_sided);
-        self.ambient.add(corners, two_sided);
+    pub(super) fn add(&mut self, corners: [Vec3; 3], two_sided: bool, cut: Option<Cut<'_>>) {
+        self.shadow.add(corners, two_sided, cut);
+        self.ambient.add(corners, two_sided, cut.map_or(1.0, |cut| cut.share));
     }
 
     /// To be called once, when everything is in.
@@ -107,6 +127,59 @@ impl<'a> Light<'a> {
         // Among leaves light goes on from one to the next.
         let sky = if thin { seen.sky.sqrt() } else { seen.sky };
         SUN * (slope * seen.sun) + GROUND.lerp(SKY, 0.5 + 0.5 * normal.y) * sky
+    }
+
+    /// The colour of what an image is laid on, at a point whose normal without the image is `facing`; the side that is
+    /// seen.
+    pub(super) fn shaded(
+        &self,
+        point: Vec3,
+        facing: Vec3,
+        thin: bool,
+        surface: &Surface,
+        beams: Sunbeams,
+    ) -> Vec3 {
+        let mut sun = 0.0;
+        if facing.dot(self.sun) > 0.0 || thin {
+            let facing = if facing.dot(self.sun) > 0.0 { facing } else { -facing };
+            sun = self.shadow.light(point, facing);
+            if let Some(solid) = self.solid.filter(|_| sun > 0.0) {
+                sun *= solid.sunlight(point, facing, self.sun, beams).seen;
+            }
+        }
+        self.falling_on(Seen { sun, sky: self.ambient.light(point, facing) }, facing, thin, surface)
+    }
+
+    /// The same for a place that sees so much of sun and sky.
+    pub(super) fn falling_on(&self, seen: Seen, facing: Vec3, thin: bool, surface: &Surface) -> Vec3 {
+        let Surface { normal, color, occlusion, .. } = *surface;
+        // Relief does not see a sun that the surface itself turns away from.
+        let flat = facing.dot(self.sun);
+        let slope = normal.dot(self.sun).min(STEEPEST * flat);
+        let from_behind = normal.dot(-self.sun).min(-STEEPEST * flat).max(0.0);
+        let sun = SUN * seen.sun;
+        let direct = match (slope > 0.0, thin, surface.transmitted) {
+            (true, _, _) => color * sun * slope,
+            (false, _, Some(transmitted)) => transmitted * sun * from_behind,
+            (false, true, None) => color * sun * (from_behind * TRANSMITTED),
+            (false, false, None) => Vec3::ZERO,
+        };
+        let sky = if thin { seen.sky.sqrt() } else { seen.sky };
+        let sky = GROUND.lerp(SKY, 0.5 + 0.5 * normal.y) * (sky * occlusion);
+        direct + color * sky + sun * self.gloss(surface) * slope.max(0.0)
+    }
+
+    /// What of the sun is mirrored towards the camera (Trowbridge and Reitz 1975; Kelemen and Szirmay-Kalos 2001), as a
+    /// part of what a white surface would scatter.
+    fn gloss(&self, surface: &Surface) -> f32 {
+        let Some((roughness, towards)) = surface.gloss else { return 0.0 };
+        let half = (self.sun + towards).normalize_or(surface.normal);
+        let spread = (roughness * roughness).clamp(0.02, 1.0);
+        let squared = spread * spread;
+        let across = surface.normal.dot(half).max(0.0);
+        let way = self.sun.dot(half).max(0.2);
+        let falloff = across * across * (squared - 1.0) + 1.0;
+        MIRRORED * squared / (falloff * falloff * 4.0 * way * way)
     }
 
     /// What is left of the light on level ground, each channel 0 to 1; that of the sun apart only if there is a solid.

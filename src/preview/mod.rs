@@ -15,6 +15,7 @@ mod placed;
 mod raster;
 mod ray;
 mod shadow;
+mod wear;
 
 pub use camera::{Camera, Projection};
 pub use picture::Picture;
@@ -222,9 +223,14 @@ impl Preview {
     /// A picture of bark, leaves and whatever else there is, each as often as it has instances; they shade each other.
     /// What is double-sided is thin as well: half of the sunlight that falls on its back comes through.
     ///
+    /// [`Textures`](crate::texture::Textures) are drawn whole: the base colour (with holes where its alpha is below the
+    /// cutoff, in shadows too), relief by normals, occlusion of the sky, roughness as gloss in the sun, and light from behind
+    /// by the transmission's colour. Images that are smaller in the picture than they are, are averaged; alpha keeps
+    /// its coverage. Metal is not drawn. An instance's tint multiplies its colour.
+    ///
     /// # Errors
-    /// An option out of range; nothing to draw; arrays that do not fit together, NaN and infinities; a mesh
-    /// beyond a million kilometres.
+    /// An option out of range; nothing to draw; arrays that do not fit together, NaN and infinities; textures without
+    /// texture coordinates; a mesh beyond a million kilometres.
     pub fn draw_parts(&self, parts: &[Part<'_>]) -> Result<Picture, PreviewError> {
         self.paint(&self.stage(parts, &[])?, None, true, &Silent)
     }
@@ -237,7 +243,7 @@ impl Preview {
         if vertices > u64::from(u32::MAX) {
             return Err(PreviewError::TooLarge { vertices });
         }
-        let parts: Vec<_> = parts.iter().filter(|part| part.triangles() > 0).map(Placed::new).collect();
+        let parts = Placed::all(parts);
         let vertices = || parts.iter().flat_map(|part| part.positions.iter().copied());
         let points = || vertices().chain(outline.iter().copied());
         let bounds = Bounds::of(points());
@@ -275,8 +281,9 @@ impl Preview {
         let mut picture = Picture::new(self.width, self.height, [0; 3])?;
         let mut light = Light::new(self.sun.normalize_or(Vec3::Y), *bounds);
         for part in parts {
-            for corners in part.triangles() {
-                light.add(corners.map(|corner| part.positions[corner as usize]), part.two_sided());
+            for (number, corners) in part.triangles().enumerate() {
+                let cut = part.cut(number, corners);
+                light.add(corners.map(|corner| part.positions[corner as usize]), part.two_sided(), cut);
             }
         }
         if let Some(solid) = solid {
@@ -353,3 +360,5 @@ fn check_color(parameter: &str, color: [f32; 3]) -> Result<(), ParameterError> {
 
 #[cfg(test)]
 mod tests;
+#[cfg(test)]
+mod worn_tests;

@@ -1,8 +1,11 @@
 //! A part with all its copies in their places.
 
+use super::wear::{Cut, Wear};
 use crate::surface::{Instance, Part};
-use glam::Vec3;
+use crate::texture::Textures;
+use glam::{Vec2, Vec3, Vec4};
 use std::borrow::Cow;
+use std::sync::Arc;
 
 pub(super) struct Placed<'a> {
     part: Part<'a>,
@@ -12,11 +15,32 @@ pub(super) struct Placed<'a> {
     pub(super) positions: Cow<'a, [Vec3]>,
     /// The mean of the mesh's vertices.
     middle: Vec3,
+    /// The images that it wears.
+    wear: Option<Arc<Wear<'a>>>,
+    /// The part of each of the mesh's triangles that is not cut out; empty if nothing is.
+    shares: Vec<f32>,
 }
 
 impl<'a> Placed<'a> {
-    /// Of a part with at least one vertex.
-    pub(super) fn new(part: &Part<'a>) -> Self {
+    /// All parts that have a triangle. What wears the same images shares them.
+    pub(super) fn all(parts: &[Part<'a>]) -> Vec<Self> {
+        let mut wears: Vec<(&Textures, Arc<Wear<'a>>)> = Vec::new();
+        let placed = parts.iter().filter(|part| part.triangles() > 0).map(|part| {
+            let wear = part.textures().map(|textures| {
+                let known = wears.iter().find(|(other, _)| std::ptr::eq(*other, textures));
+                if let Some((_, wear)) = known {
+                    return wear.clone();
+                }
+                let wear = Arc::new(Wear::new(textures));
+                wears.push((textures, wear.clone()));
+                wear
+            });
+            Self::new(part, wear)
+        });
+        placed.collect()
+    }
+
+    fn new(part: &Part<'a>, wear: Option<Arc<Wear<'a>>>) -> Self {
         let alone = part.instances().is_none() && part.transform().is_identity();
         let copies = (!alone).then(|| part.placed());
         let positions = if let Some(copies) = &copies {
@@ -31,18 +55,93 @@ impl<'a> Placed<'a> {
         };
         let mesh = part.mesh();
         let middle = mesh.positions.iter().sum::<Vec3>() / mesh.positions.len() as f32;
-        Self { part: *part, copies, positions, middle }
+        let shares = wear.as_ref().filter(|wear| wear.is_masked()).map_or_else(Vec::new, |wear| {
+            let uvs = |corners: [u32; 3]| corners.map(|corner| mesh.uvs[corner as usize]);
+            mesh.triangles().map(|corners| wear.share(uvs(corners))).collect()
+        });
+        Self { part: *part, copies, positions, middle, wear, shares }
+    }
+
+    /// The images that it wears.
+    pub(super) fn wear(&self) -> Option<&Wear<'a>> {
+        self.wear.as_deref()
+    }
+
+    /// The texture coordinates of a triangle's corners; there are some wherever there are images.
+    pub(super) fn uvs(&self, corners: [u32; 3]) -> [Vec2; 3] {
+        let mesh = self.part.mesh();
+        corners.map(|corner| mesh.uvs[corner as usize % mesh.positions.len()])
+    }
+
+    /// The holes of a triangle, if there are any; `triangle` counts over all copies.
+    #[inline]
+    pub(super) fn cut(&self, triangle: usize, corners: [u32; 3]) -> Option<Cut<'_>> {
+        if self.shares.is_empty() {
+            return None;
+        }
+        self.cut_of(corners, self.shares[triangle % self.shares.len()])
+    }
+
+    /// The holes of a triangle that is seen.
+    #[inline]
+    pub(super) fn holes(&self, corners: [u32; 3]) -> Option<Cut<'_>> {
+        if self.shares.is_empty() { None } else { self.cut_of(corners, 1.0) }
+    }
+
+    fn cut_of(&self, corners: [u32; 3], share: f32) -> Option<Cut<'_>> {
+        let wear = self.wear.as_deref()?;
+        Some(Cut { wear, uvs: self.uvs(corners), share })
+    }
+
+    /// The tangent of a triangle at a point with these weights of its corners, with the sign of glTF; from the mesh's
+    /// tangents, or, without, from its texture coordinates.
+    pub(super) fn tangent(&self, corners: [u32; 3], weights: [f32; 3], normal: Vec3) -> Option<Vec4> {
+        let mesh = self.part.mesh();
+        let vertices = mesh.positions.len();
+        let across = |tangent: Vec3, sign: f32| {
+            let across = (tangent - normal * tangent.dot(normal)).try_normalize()?;
+            Some(across.extend(sign))
+        };
+        if mesh.tangents.is_empty() {
+            let [a, b, c] = corners.map(|corner| self.positions[corner as usize]);
+            let [p, q, r] = self.uvs(corners);
+            let (first, second, along, beside) = (b - a, c - a, q - p, r - p);
+            let turn = along.perp_dot(beside);
+            if turn == 0.0 {
+                return None;
+            }
+            let tangent = (first * beside.y - second * along.y) / turn;
+            let down = (second * along.x - first * beside.x) / turn;
+            let sign = if normal.cross(tangent).dot(down) < 0.0 { 1.0 } else { -1.0 };
+            return across(tangent, sign);
+        }
+        let own = corners.map(|corner| mesh.tangents[corner as usize % vertices]);
+        let sum =
+            own[0].truncate() * weights[0] + own[1].truncate() * weights[1] + own[2].truncate() * weights[2];
+        let turned = match &self.copies {
+            None => sum,
+            Some(copies) => copies[corners[0] as usize / vertices].rotation_matrix() * sum,
+        };
+        across(turned, own[0].w)
     }
 
     /// The colour of a triangle at a point with these weights of its corners.
     pub(super) fn color(&self, corners: [u32; 3], weights: [f32; 3]) -> Vec3 {
-        let color = Vec3::from_array(self.part.material().color());
         let mesh = self.part.mesh();
+        let mut color = Vec3::from_array(self.part.material().color());
+        if let Some(instances) = &self.copies {
+            color *= Vec3::from_array(instances[corners[0] as usize / mesh.positions.len()].tint);
+        }
         if mesh.colors.is_empty() {
             return color;
         }
         let own = corners.map(|corner| Vec3::from_array(mesh.colors[corner as usize % mesh.positions.len()]));
         color * (own[0] * weights[0] + own[1] * weights[1] + own[2] * weights[2])
+    }
+
+    /// How rough the material itself is.
+    pub(super) fn roughness(&self) -> f32 {
+        self.part.material().roughness()
     }
 
     pub(super) fn two_sided(&self) -> bool {

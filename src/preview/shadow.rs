@@ -5,6 +5,7 @@
 //! slices of coverage that add up from the sun on (deep opacity maps, Yuksel and Keyser 2008) and blur on the way.
 
 use super::raster;
+use super::wear::Cut;
 use crate::math;
 use crate::shape::Bounds;
 use glam::{Vec2, Vec3};
@@ -70,17 +71,32 @@ impl ShadowMap {
         Vec3::new(x, y, p.dot(self.sun))
     }
 
-    /// Adds a triangle, if it faces the sun or is seen from both sides.
+    /// Adds a triangle, if it faces the sun or is seen from both sides. It may have holes.
     #[inline]
-    pub(super) fn add(&mut self, corners: [Vec3; 3], two_sided: bool) {
+    pub(super) fn add(&mut self, corners: [Vec3; 3], two_sided: bool, cut: Option<Cut<'_>>) {
         let facing = (corners[1] - corners[0]).cross(corners[2] - corners[0]).dot(self.sun);
         if !(facing > 0.0 || two_sided) {
             return;
         }
         let corners = corners.map(|corner| self.project(corner));
+        match cut {
+            None => self.put(corners, two_sided, |_, _| true),
+            Some(cut) => {
+                let cutout = cut.on(corners, false);
+                self.put(corners, two_sided, |x, y| cutout.is_there(x, y));
+            }
+        }
+    }
+
+    /// Adds a triangle where it `is_there`, by column and row of the depth map.
+    #[inline]
+    fn put(&mut self, corners: [Vec3; 3], two_sided: bool, is_there: impl Fn(f32, f32) -> bool) {
         if !raster::is_thin(corners, if two_sided { THIN_LEAF } else { THIN }) {
             let depth = &mut self.depth;
             raster::fill(corners, SIDE, 0..SIDE, |x, y, nearness| {
+                if !is_there(x as f32 + 0.5, y as f32 + 0.5) {
+                    return;
+                }
                 let texel = &mut depth[y * SIDE + x];
                 *texel = texel.max(nearness);
             });
@@ -91,6 +107,9 @@ impl ShadowMap {
         let (near, slice) = (self.corner.z, self.slice);
         let thin = &mut self.thin;
         raster::strew(corners, Vec2::splat(2.0), high, |place, area| {
+            if !is_there(place.x, place.y) {
+                return;
+            }
             let index = ((near - place.z) / slice).clamp(0.0, SLICES as f32 - 1.0) as usize;
             let layer = &mut thin[(index + 1) * THIN_SIDE * THIN_SIDE..][..THIN_SIDE * THIN_SIDE];
             let (x, y) = (place.x * ratio - 0.5, place.y * ratio - 0.5);
@@ -212,8 +231,8 @@ mod tests {
     fn map_with(half_width: f32) -> ShadowMap {
         let mut map = ShadowMap::new(Vec3::Y, BOX);
         let corner = |x: f32, z: f32| Vec3::new(x * half_width, 3.0, z);
-        map.add([corner(-1.0, -1.0), corner(-1.0, 1.0), corner(1.0, 1.0)], false);
-        map.add([corner(-1.0, -1.0), corner(1.0, 1.0), corner(1.0, -1.0)], false);
+        map.add([corner(-1.0, -1.0), corner(-1.0, 1.0), corner(1.0, 1.0)], false, None);
+        map.add([corner(-1.0, -1.0), corner(1.0, 1.0), corner(1.0, -1.0)], false, None);
         map.finish();
         map
     }

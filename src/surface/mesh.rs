@@ -123,6 +123,12 @@ pub enum MeshError {
         /// Its texture coordinate.
         uv: Vec2,
     },
+    /// A mesh that is to wear textures, but has no texture coordinates.
+    #[error("the mesh of {vertices} vertices has textures but no texture coordinates")]
+    NoUvs {
+        /// The number of positions.
+        vertices: usize,
+    },
     /// A copy of the mesh that has no place: NaN, an infinity, a scale that is not positive, a rotation that is
     /// not of length 1 within 0.001, or a tint that is not within 0 to 1.
     #[error("instance {index} cannot be placed: {instance:?}")]

@@ -3,7 +3,7 @@
 use super::{Material, Mesh, MeshError, Transform};
 use crate::ParameterError;
 #[cfg(feature = "texture")]
-use crate::texture::Textures;
+use crate::texture::{TextureError, Textures};
 use glam::{Mat3, Quat, Vec3};
 use std::borrow::Cow;
 
@@ -202,6 +202,15 @@ impl<'a> Part<'a> {
         self.material.check()?;
         self.transform.check("Part.transform")?;
         self.mesh.check_arrays()?;
+        #[cfg(feature = "texture")]
+        if let Some(textures) = self.textures {
+            if let Err(TextureError::Parameter(error)) = textures.check() {
+                return Err(error.into());
+            }
+            if self.mesh.uvs.is_empty() && !self.mesh.positions.is_empty() {
+                return Err(MeshError::NoUvs { vertices: self.mesh.positions.len() }.into());
+            }
+        }
         let reach = self.mesh.positions.iter().map(|p| p.abs().max_element()).fold(0.0, f32::max);
         let unsound = |copies: &[Instance]| copies.iter().position(|copy| !copy.is_sound(2.0 * reach));
         let found = unsound(self.copies());

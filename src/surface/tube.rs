@@ -33,6 +33,7 @@ use std::f32::consts::PI;
 /// the axes, over that size, and runs on from a branch to what it bears; u is metres around the branch's first ring,
 /// over that size and rounded to a whole number, for a texture must end where it began. So texels are as long
 /// everywhere, and as wide but for the rounding, down to branches one square around; thinner ones squeeze one square.
+/// [`with_square_tiles`](Self::with_square_tiles) shortens squares where they are narrow. Caps of bases continue in metres.
 /// [Tangents](Mesh::tangents) are exact, not averaged over triangles.
 ///
 /// O(nodes · sides) time and memory: 48 bytes a vertex, 24 bytes a quad.
@@ -46,6 +47,7 @@ use std::f32::consts::PI;
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[derive(Debug, Clone, PartialEq)]
+#[expect(clippy::struct_excessive_bools, reason = "each is an option of its own")]
 pub struct Tubes {
     sides: u32,
     least_sides: u32,
@@ -55,12 +57,13 @@ pub struct Tubes {
     pub(super) collars: bool,
     pub(super) closed_base: bool,
     pub(super) tile: f32,
+    pub(super) square_tiles: bool,
     pub(super) wind: bool,
 }
 
 impl Default for Tubes {
     /// 12 sides on the thickest branch, 4 on the thinnest, a ring every 20°, no error asked for; collars, a root flare
-    /// of 0.5, open at the base; squares of bark of 0.25 m; no wind.
+    /// of 0.5, open at the base; squares of bark of 0.25 m, of that length everywhere; no wind.
     fn default() -> Self {
         Self {
             sides: 12,
@@ -71,6 +74,7 @@ impl Default for Tubes {
             collars: true,
             closed_base: false,
             tile: 0.25,
+            square_tiles: false,
             wind: false,
         }
     }
@@ -137,6 +141,19 @@ impl Tubes {
     /// The side of the square of bark that a texture shows, metres, 1e-4 to 1e4; default 0.25, two palms.
     pub fn with_tile(mut self, side: f32) -> Self {
         self.tile = side;
+        self
+    }
+
+    /// Whether squares of bark stay squares as branches grow thin; default false.
+    ///
+    /// The number of squares around a branch is whole and the same all along it, so that nothing jumps; where a branch is
+    /// half as thick as at its base, a square is half as wide. By default it is as long there as at the base, and ridges
+    /// are drawn out; with this it is half as long too, as bark is finer where it is younger. Branches thinner than one
+    /// square around wear one that is smaller, instead of one squeezed. v is continuous along each branch, and begins with
+    /// metres from the root over the size. Bark does not continue from a branch to the one that bears it: collars end in
+    /// the bark of their parent branch with a seam.
+    pub fn with_square_tiles(mut self, square: bool) -> Self {
+        self.square_tiles = square;
         self
     }
 

@@ -15,6 +15,8 @@ use std::f32::consts::{FRAC_1_SQRT_2, TAU};
 
 /// The last component of every tangent: the texture's v runs along the branch, glTF's bitangent against v.
 const HANDEDNESS: f32 = -1.0;
+/// The least radius for which texels are kept square, as a part of the branch's first.
+const THINNEST: f32 = 1.0 / 64.0;
 
 /// All that is known before the first vertex.
 #[derive(Debug)]
@@ -71,6 +73,7 @@ impl Plan {
             tiles: 1.0,
             step: 1.0,
             line: &[],
+            course: Vec::new(),
             curves: Vec::new(),
             round: Round::default(),
             bends: Vec::new(),
@@ -84,6 +87,7 @@ impl Plan {
             let first = axis.base;
             weaver.tiles = (TAU * first.radius.max(weaver.line[0].radius) / options.tile).round().max(1.0);
             weaver.step = weaver.tiles / axis.sides as f32;
+            weaver.run();
             collar::curves(&self.axes, &circles, axis, &mut weaver.curves);
             if let Some(swung) = &mut swung {
                 swung.swing(number);
@@ -154,6 +158,8 @@ struct Weaver<'a> {
     step: f32,
     /// The level rings of the present axis.
     line: &'a [Station],
+    /// The texture coordinate v of each of them.
+    course: Vec<f32>,
     /// Its collar; none if there is none.
     curves: Vec<Curves>,
     /// The points of one ring of it.
@@ -190,6 +196,33 @@ impl Weaver<'_> {
         }
     }
 
+    /// Works out how v runs along the axis.
+    fn run(&mut self) {
+        let mut v = self.line[0].along / self.options.tile;
+        self.course.clear();
+        for (i, station) in self.line.iter().enumerate() {
+            if let Some(before) = i.checked_sub(1).map(|i| self.line[i]) {
+                let way = station.along - before.along;
+                v = if self.options.square_tiles {
+                    v + way * self.pace(0.5 * (before.radius + station.radius))
+                } else {
+                    station.along / self.options.tile
+                };
+            }
+            self.course.push(v);
+        }
+    }
+
+    /// How much v grows a metre where the axis is so thick.
+    fn pace(&self, radius: f32) -> f32 {
+        if !self.options.square_tiles {
+            return 1.0 / self.options.tile;
+        }
+        // A tip of no thickness has texels as small as those of the thinnest wood that can be told from it.
+        let least = self.line[0].radius.max(self.options.tile / TAU) * THINNEST;
+        self.tiles / (TAU * radius.max(least))
+    }
+
     /// Joins a ring to the one before. It bends as a level ring does; at a part of the collar, as its feet do besides.
     fn go_on(&mut self, before: &mut Option<Ring>, ring: Ring, level: usize, part: Option<f32>) {
         self.blow(level, part);
@@ -204,18 +237,18 @@ impl Weaver<'_> {
         let station = self.line[i];
         if station.radius == 0.0 {
             let outward = if i == 0 { -station.tangent } else { station.tangent };
-            return self.point(station.position, outward, station.normal, station.along);
+            return self.point(station.position, outward, station.normal, self.course[i]);
         }
         // The normal of a cone leans against its taper; the same for the whole ring.
         let taper = station.taper;
         let lean = 1.0 / (1.0 + taper * taper).sqrt();
-        self.ring(&station, lean, -taper * lean)
+        self.ring(&station, self.course[i], lean, -taper * lean)
     }
 
     /// A level ring whose normals have this part away from the axis and this part along it.
-    fn ring(&mut self, station: &Station, outward: f32, along: f32) -> Ring {
+    fn ring(&mut self, station: &Station, v: f32, outward: f32, along: f32) -> Ring {
         let Station { position, radius, tangent, normal, .. } = *station;
-        let v = Vec4::splat(station.along / self.options.tile);
+        let v = Vec4::splat(v);
         let axial = Lanes::splat(tangent * along);
         let [position, normal, binormal] = [position, normal, tangent.cross(normal)].map(Lanes::splat);
         let first = self.mesh.positions.len();
@@ -247,7 +280,11 @@ impl Weaver<'_> {
                 .normalize_or(|| Lanes::of(normal.to_array().map(perpendicular)));
             let rest = curves.rim() - here;
             let rest = rest.dot(rest).sqrt();
-            let v = (Vec4::splat(self.line[0].along) - rest) / Vec4::splat(self.options.tile);
+            let v = if self.options.square_tiles {
+                Vec4::splat(self.course[0]) - rest * Vec4::splat(self.pace(self.line[0].radius))
+            } else {
+                (Vec4::splat(self.line[0].along) - rest) / Vec4::splat(self.options.tile)
+            };
             self.four(first, here, normal, across, v);
         }
         self.close(first)
@@ -281,8 +318,8 @@ impl Weaver<'_> {
         Ring::Circle(first as u32)
     }
 
-    fn point(&mut self, position: Vec3, normal: Vec3, tangent: Vec3, along: f32) -> Ring {
-        let uv = Vec2::new(0.5 * self.tiles, along / self.options.tile);
+    fn point(&mut self, position: Vec3, normal: Vec3, tangent: Vec3, v: f32) -> Ring {
+        let uv = Vec2::new(0.5 * self.tiles, v);
         Ring::Point(self.vertex(position, normal, tangent.extend(HANDEDNESS), uv))
     }
 
@@ -306,14 +343,25 @@ impl Weaver<'_> {
                 along: last.along + height(FRAC_1_SQRT_2),
                 ..last
             };
-            let dome = self.ring(&middle, FRAC_1_SQRT_2, FRAC_1_SQRT_2);
+            let v = self.beyond(&last, height(FRAC_1_SQRT_2));
+            let dome = self.ring(&middle, v, FRAC_1_SQRT_2, FRAC_1_SQRT_2);
             self.join(ring, dome);
             ring = dome;
         }
         let apex = last.position + last.tangent * last.radius;
-        let apex = self.point(apex, last.tangent, last.normal, last.along + last.radius);
+        let v = self.beyond(&last, last.radius);
+        let apex = self.point(apex, last.tangent, last.normal, v);
         self.join(ring, apex);
         self.blow(self.line.len() - 1, None);
+    }
+
+    /// The texture coordinate v so far beyond the last ring, metres.
+    fn beyond(&self, last: &Station, way: f32) -> f32 {
+        if self.options.square_tiles {
+            self.course[self.course.len() - 1] + way * self.pace(last.radius)
+        } else {
+            (last.along + way) / self.options.tile
+        }
     }
 
     /// The flat cap of a tube that starts with a circle; its vertices are its own, for the edge is sharp.

@@ -1,11 +1,13 @@
 //! Images that a surface wears: colour, relief, gloss and light from behind.
 //!
-//! An [`Image`] is made or read; [`Textures`] are the images of one material, named as glTF names them. A
+//! A [`Bark`] makes images of bark. An [`Image`] is made or read; [`Textures`] are the images of one material, named as glTF names them. A
 //! [`Part`](crate::surface::Part) wears them, the writers of [`export`](crate::export) put them into files or beside them.
 
+mod bark;
 mod image;
 mod textures;
 
+pub use bark::{Bark, BarkKind, BarkSet};
 pub use image::Image;
 pub use textures::Textures;
 

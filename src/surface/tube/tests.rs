@@ -328,3 +328,45 @@ fn an_error_is_kept() {
         before = mesh.triangles().len();
     }
 }
+
+#[test]
+fn square_tiles_are_square_at_every_radius() {
+    let points: Vec<_> = (0..60).map(|i| Vec3::new(0.0, 0.05 * i as f32, 0.0)).collect();
+    for (from, to, tile) in [(0.3, 0.02, 0.25), (0.02, 0.004, 0.5), (0.2, 0.2, 0.2)] {
+        let radius = |i: usize| from + (to - from) * i as f32 / 59.0;
+        let skeleton = chain(&points, 0.1).with_radii((0..60).map(radius).collect()).expect("sound");
+        let tubes = plain().with_tile(tile).with_sides(64).with_least_sides(64);
+        let worst = |tubes: &Tubes| {
+            let mesh = mesh_with(tubes, &skeleton);
+            let rings: Vec<_> = (0..60).map(|ring| ring * 65).collect();
+            let mut worst = 1.0f32;
+            for pair in rings.windows(2) {
+                let [below, above] = [pair[0], pair[1]];
+                let around = mesh.uvs[below + 64].x - mesh.uvs[below].x;
+                assert!(around >= 1.0 && (around - around.round()).abs() < 1e-6, "{around} tiles around");
+                assert!(mesh.uvs[above].y > mesh.uvs[below].y, "v runs on");
+                let thick =
+                    0.5 * (mesh.positions[below].with_y(0.0) + mesh.positions[above].with_y(0.0)).length();
+                let wide = TAU * thick / around;
+                let long = mesh.positions[below].distance(mesh.positions[above])
+                    / (mesh.uvs[above].y - mesh.uvs[below].y);
+                worst = worst.max(wide / long).max(long / wide);
+            }
+            worst
+        };
+        let square = worst(&tubes.clone().with_square_tiles(true));
+        assert!(square < 1.05, "{square}");
+        assert!((from - to).abs() < 1e-6 || worst(&tubes) > 2.0, "by default they are drawn out");
+    }
+}
+
+#[test]
+fn square_tiles_change_nothing_but_v() {
+    let skeleton = fork(0.03, 1.0);
+    let tubes = Tubes::default().with_closed_base(true);
+    let (plain, square) =
+        (mesh_with(&tubes, &skeleton), mesh_with(&tubes.clone().with_square_tiles(true), &skeleton));
+    assert_eq!((&plain.positions, &plain.indices), (&square.positions, &square.indices));
+    assert!(plain.uvs.iter().zip(&square.uvs).all(|(a, b)| (a.x - b.x).abs() < 1e-9));
+    assert!(plain.uvs != square.uvs);
+}

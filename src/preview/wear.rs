@@ -1,0 +1,401 @@
+//! The images that a part wears, at every size at which they may be seen.
+
+use crate::math;
+use crate::texture::{Image, Textures};
+use glam::{Vec2, Vec3, Vec4, Vec4Swizzles};
+use std::f32::consts::LOG2_E;
+
+/// Most samples along the longer side of a pixel's footprint.
+const MOST_TAPS: f32 = 8.0;
+/// Places a side of the grid by which the covered part of a triangle is measured.
+const SHARE_GRID: usize = 12;
+
+/// How many halvings a number is away from 1.
+fn log2(x: f32) -> f32 {
+    math::ln(x.max(1e-12)) * LOG2_E
+}
+
+/// A place in an image and what a pixel covers of it: how it changes to the next pixel on the right and below.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Footprint {
+    pub(super) uv: Vec2,
+    pub(super) right: Vec2,
+    pub(super) below: Vec2,
+}
+
+/// An image and its halves, quarters and so on (Williams 1983).
+#[derive(Debug)]
+struct Map<'a> {
+    base: &'a Image,
+    smaller: Vec<Image>,
+    /// Whether colours are sRGB.
+    is_color: bool,
+}
+
+impl<'a> Map<'a> {
+    fn new(base: &'a Image, is_color: bool, cutoff: Option<f32>, tones: &Tones) -> Self {
+        let covered = cutoff.map(|cutoff| (cutoff, coverage(base, cutoff)));
+        let mut smaller: Vec<Image> = Vec::new();
+        // What is averaged has not been made to keep its coverage.
+        let mut last: Option<Image> = None;
+        while let Some(half) = halved(last.as_ref().unwrap_or(base), is_color, tones) {
+            smaller.push(match covered {
+                Some((cutoff, covered)) => keep_coverage(&half, cutoff, covered),
+                None => half.clone(),
+            });
+            last = Some(half);
+        }
+        Self { base, smaller, is_color }
+    }
+
+    fn level(&self, level: usize) -> &Image {
+        level.checked_sub(1).map_or(self.base, |level| &self.smaller[level.min(self.smaller.len() - 1)])
+    }
+
+    /// Between four texels of one level; linear, alpha last.
+    fn bilinear(&self, level: usize, uv: Vec2, tones: &Tones) -> Vec4 {
+        let image = self.level(level);
+        let place = |u: f32, side: u32| {
+            let at = (u - u.floor()) * side as f32 + side as f32 - 0.5;
+            let whole = at as u32;
+            (whole % side, (whole + 1) % side, at - whole as f32)
+        };
+        let ((left, right, dx), (upper, lower, dy)) =
+            (place(uv.x, image.width()), place(uv.y, image.height()));
+        let table = if self.is_color { &tones.linear } else { &tones.plain };
+        let texel = |x, y| {
+            let pixel = image.pixel(x, y);
+            let alpha = pixel.get(3).map_or(1.0, |&alpha| f32::from(alpha) / 255.0);
+            let [r, g, b] = [0, 1, 2].map(|channel| table[usize::from(pixel[channel])]);
+            Vec4::new(r, g, b, alpha)
+        };
+        let above = texel(left, upper).lerp(texel(right, upper), dx);
+        let below = texel(left, lower).lerp(texel(right, lower), dx);
+        above.lerp(below, dy)
+    }
+
+    /// Between two levels, so many halvings from the image itself.
+    fn trilinear(&self, halvings: f32, uv: Vec2, tones: &Tones) -> Vec4 {
+        let halvings = halvings.clamp(0.0, self.smaller.len() as f32);
+        let (level, part) = (halvings as usize, halvings - (halvings as usize) as f32);
+        let near = self.bilinear(level, uv, tones);
+        if part > 0.0 { near.lerp(self.bilinear(level + 1, uv, tones), part) } else { near }
+    }
+
+    /// The mean over a footprint: several samples along its longer side, each as wide as the shorter one.
+    fn sample(&self, at: &Footprint, tones: &Tones) -> Vec4 {
+        let size = Vec2::new(self.base.width() as f32, self.base.height() as f32);
+        let (right, below) = ((at.right * size).length(), (at.below * size).length());
+        let (long, short, way) =
+            if right > below { (right, below, at.right) } else { (below, right, at.below) };
+        if !(long > 0.0 && long.is_finite()) {
+            return self.trilinear(0.0, at.uv, tones);
+        }
+        let taps = (long / short.max(1.0)).ceil().clamp(1.0, MOST_TAPS);
+        let halvings = log2(short.max(long / taps));
+        let mut sum = Vec4::ZERO;
+        for tap in 0..taps as usize {
+            let part = (tap as f32 + 0.5) / taps - 0.5;
+            sum += self.trilinear(halvings, at.uv + way * part, tones);
+        }
+        sum / taps
+    }
+}
+
+/// The part of an image's pixels that are drawn.
+fn coverage(image: &Image, cutoff: f32) -> f32 {
+    let pixels = image.bytes().chunks_exact(4);
+    let all = pixels.len() as f32;
+    pixels.filter(|pixel| f32::from(pixel[3]) >= cutoff * 255.0).count() as f32 / all
+}
+
+/// Multiplies alpha so that as much of it is drawn as of the whole image (Castaño 2010).
+fn keep_coverage(image: &Image, cutoff: f32, covered: f32) -> Image {
+    let mut counts = [0u32; 256];
+    image.bytes().chunks_exact(4).for_each(|pixel| counts[usize::from(pixel[3])] += 1);
+    let wanted = covered * image.width() as f32 * image.height() as f32;
+    let (mut sum, mut limit) = (0.0, 256usize);
+    while limit > 1 && sum + 0.5 < wanted {
+        limit -= 1;
+        sum += counts[limit] as f32;
+    }
+    let factor = cutoff * 255.0 / limit as f32;
+    let mut bytes = image.bytes().to_vec();
+    for pixel in bytes.chunks_exact_mut(4) {
+        pixel[3] = (f32::from(pixel[3]) * factor + 0.5).min(255.0) as u8;
+    }
+    Image::new(image.width(), image.height(), 4, bytes).unwrap_or_else(|_| image.clone())
+}
+
+/// An image of half the size: means of light, weighted by alpha. `None` of a single pixel.
+fn halved(image: &Image, is_color: bool, tones: &Tones) -> Option<Image> {
+    if image.width().max(image.height()) == 1 {
+        return None;
+    }
+    let (width, height) = ((image.width() / 2).max(1), (image.height() / 2).max(1));
+    let channels = usize::from(image.channels());
+    let table = if is_color { &tones.linear } else { &tones.plain };
+    let mut bytes = Vec::with_capacity(width as usize * height as usize * channels);
+    for y in 0..height {
+        for x in 0..width {
+            let four = [(0, 0), (1, 0), (0, 1), (1, 1)].map(|(i, j)| {
+                let place = |at: u32, step: u32, side: u32| (2 * at + step).min(side - 1);
+                image.pixel(place(x, i, image.width()), place(y, j, image.height()))
+            });
+            let weight = |pixel: &[u8]| pixel.get(3).map_or(1.0, |&alpha| f32::from(alpha) + 1e-3);
+            let weights = four.map(weight);
+            let whole: f32 = weights.iter().sum();
+            for channel in 0..channels.min(3) {
+                let sum: f32 =
+                    four.iter().zip(weights).map(|(pixel, w)| table[usize::from(pixel[channel])] * w).sum();
+                bytes.push(if is_color {
+                    tones.srgb(sum / whole)
+                } else {
+                    (sum / whole * 255.0 + 0.5) as u8
+                });
+            }
+            if channels == 4 {
+                let sum: u32 = four.iter().map(|pixel| u32::from(pixel[3])).sum();
+                bytes.push(((sum + 2) / 4) as u8);
+            }
+        }
+    }
+    Image::new(width, height, image.channels(), bytes).ok()
+}
+
+/// Between bytes and light.
+#[derive(Debug)]
+struct Tones {
+    linear: Vec<f32>,
+    plain: Vec<f32>,
+    srgb: Vec<u8>,
+}
+
+impl Tones {
+    const STEPS: usize = 16384;
+
+    fn new() -> Self {
+        let part = |i: usize, last: usize| i as f32 / last as f32;
+        Self {
+            linear: (0..256).map(|i| math::linear(part(i, 255))).collect(),
+            plain: (0..256).map(|i| part(i, 255)).collect(),
+            srgb: (0..=Self::STEPS).map(|i| (math::srgb(part(i, Self::STEPS)) * 255.0 + 0.5) as u8).collect(),
+        }
+    }
+
+    fn srgb(&self, linear: f32) -> u8 {
+        self.srgb[(linear.clamp(0.0, 1.0) * Self::STEPS as f32 + 0.5) as usize]
+    }
+}
+
+/// The images of one material, ready to be drawn.
+#[derive(Debug)]
+pub(super) struct Wear<'a> {
+    tones: Tones,
+    color: Option<Map<'a>>,
+    normal: Option<Map<'a>>,
+    occlusion_roughness: Option<Map<'a>>,
+    transmission: Option<Map<'a>>,
+    /// Below which alpha nothing is drawn; only with an image that has alpha.
+    cutoff: Option<f32>,
+}
+
+impl<'a> Wear<'a> {
+    pub(super) fn new(textures: &'a Textures) -> Self {
+        let tones = Tones::new();
+        let cutoff = textures.alpha_cutoff().filter(|_| textures.is_masked());
+        let map = |image: Option<&'a Image>, is_color, cutoff| {
+            image.map(|image| Map::new(image, is_color, cutoff, &tones))
+        };
+        Self {
+            color: map(textures.base_color(), true, cutoff),
+            normal: map(textures.normal(), false, None),
+            occlusion_roughness: map(textures.occlusion_roughness_metallic(), false, None),
+            transmission: map(textures.transmission(), true, None),
+            cutoff,
+            tones,
+        }
+    }
+
+    /// The colour, linear; white if there is no image of it.
+    pub(super) fn color(&self, at: &Footprint) -> Vec3 {
+        self.color.as_ref().map_or(Vec3::ONE, |map| map.sample(at, &self.tones).xyz())
+    }
+
+    /// The normal in tangent space, up the image as +Y; not normalized.
+    pub(super) fn normal(&self, at: &Footprint) -> Option<Vec3> {
+        let normal = self.normal.as_ref()?.sample(at, &self.tones).xyz() * 2.0 - 1.0;
+        Some(normal)
+    }
+
+    /// Occlusion and roughness.
+    pub(super) fn occlusion_roughness(&self, at: &Footprint) -> Option<(f32, f32)> {
+        let texel = self.occlusion_roughness.as_ref()?.sample(at, &self.tones);
+        Some((texel.x, texel.y))
+    }
+
+    /// The colour of light from behind.
+    pub(super) fn transmission(&self, at: &Footprint) -> Option<Vec3> {
+        Some(self.transmission.as_ref()?.sample(at, &self.tones).xyz())
+    }
+
+    pub(super) fn is_masked(&self) -> bool {
+        self.cutoff.is_some()
+    }
+
+    /// Whether there is something at a place, seen at so many halvings.
+    fn is_there(&self, uv: Vec2, halvings: f32) -> bool {
+        let (Some(map), Some(cutoff)) = (&self.color, self.cutoff) else { return true };
+        map.trilinear(halvings, uv, &self.tones).w >= cutoff
+    }
+
+    /// The part of a triangle that is not cut out.
+    pub(super) fn share(&self, uvs: [Vec2; 3]) -> f32 {
+        let Some(map) = &self.color else { return 1.0 };
+        let extent = uvs[0].max(uvs[1]).max(uvs[2]) - uvs[0].min(uvs[1]).min(uvs[2]);
+        let texels = extent * Vec2::new(map.base.width() as f32, map.base.height() as f32);
+        let halvings = log2(texels.max_element() / (2 * SHARE_GRID) as f32);
+        let (mut there, mut all) = (0.0, 0.0);
+        for i in 0..SHARE_GRID {
+            for j in 0..SHARE_GRID - i {
+                let part = |i: usize| (i as f32 + 0.333) / SHARE_GRID as f32;
+                let (a, b) = (part(i), part(j));
+                let uv = uvs[0] * (1.0 - a - b) + uvs[1] * a + uvs[2] * b;
+                all += 1.0;
+                there += if self.is_there(uv, halvings) { 1.0 } else { 0.0 };
+            }
+        }
+        there / all
+    }
+}
+
+/// A triangle with holes.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Cut<'a> {
+    pub(super) wear: &'a Wear<'a>,
+    pub(super) uvs: [Vec2; 3],
+    /// The part of it that is there.
+    pub(super) share: f32,
+}
+
+impl<'a> Cut<'a> {
+    /// The triangle where it is seen: columns, rows, and nearness, which counts only in perspective.
+    pub(super) fn on(&self, places: [Vec3; 3], perspective: bool) -> Cutout<'a> {
+        let Self { wear, uvs, .. } = *self;
+        let flat = Flat { places, uvs, perspective };
+        let texels =
+            wear.color.as_ref().map_or(1.0, |map| map.base.width() as f32 * map.base.height() as f32);
+        let area = (uvs[1] - uvs[0]).perp_dot(uvs[2] - uvs[0]).abs() * texels;
+        let seen = super::raster::double_area(places).abs();
+        Cutout { wear, flat, halvings: 0.5 * log2(area / seen.max(1e-9)) }
+    }
+}
+
+/// A triangle with holes, where it is seen.
+pub(super) struct Cutout<'a> {
+    wear: &'a Wear<'a>,
+    flat: Flat,
+    halvings: f32,
+}
+
+impl Cutout<'_> {
+    /// Whether there is something at a column and row.
+    #[inline]
+    pub(super) fn is_there(&self, x: f32, y: f32) -> bool {
+        self.flat.uv(x, y, true).is_none_or(|uv| self.wear.is_there(uv, self.halvings))
+    }
+}
+
+/// Texture coordinates over a picture.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Flat {
+    pub(super) places: [Vec3; 3],
+    pub(super) uvs: [Vec2; 3],
+    pub(super) perspective: bool,
+}
+
+impl Flat {
+    /// The weights of the corners at a place of the picture; within the triangle only, if so asked.
+    fn weights(&self, x: f32, y: f32, within: bool) -> Option<Vec3> {
+        let places = self.places;
+        let place = Vec3::new(x, y, 0.0);
+        let whole = super::raster::double_area(places);
+        let share = |a: Vec3, b: Vec3| super::raster::double_area([a, b, place]) / whole;
+        let (second, third) = (share(places[2], places[0]), share(places[0], places[1]));
+        let mut weights = Vec3::new(1.0 - second - third, second, third);
+        if within {
+            weights = weights.max(Vec3::ZERO);
+        }
+        if self.perspective {
+            weights *= Vec3::new(places[0].z, places[1].z, places[2].z);
+        }
+        let sum = weights.element_sum();
+        (sum > 0.0 && sum.is_finite()).then(|| weights / sum)
+    }
+
+    fn uv(&self, x: f32, y: f32, within: bool) -> Option<Vec2> {
+        let weights = self.weights(x, y, within)?;
+        Some(self.uvs[0] * weights.x + self.uvs[1] * weights.y + self.uvs[2] * weights.z)
+    }
+
+    /// What a pixel of so many samples covers.
+    pub(super) fn footprint(&self, x: f32, y: f32, samples: f32) -> Footprint {
+        let middle = Footprint { uv: self.uvs.iter().sum::<Vec2>() / 3.0, ..self.whole() };
+        let Some(uv) = self.uv(x, y, true) else { return middle };
+        let step = |x: f32, y: f32| self.uv(x, y, false);
+        match (step(x, y), step(x + samples, y), step(x, y + samples)) {
+            (Some(here), Some(right), Some(below)) => {
+                Footprint { uv, right: right - here, below: below - here }
+            }
+            _ => Footprint { uv, ..middle },
+        }
+    }
+
+    /// The triangle as a whole: about as wide as its edges.
+    pub(super) fn whole(&self) -> Footprint {
+        let [a, b, c] = self.uvs;
+        Footprint { uv: (a + b + c) / 3.0, right: 0.5 * (b - a), below: 0.5 * (c - a) }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn checks(side: u32) -> Image {
+        let texel = |i: u32| {
+            let is_there = (i % side / 4 + i / side / 4).is_multiple_of(3);
+            [200, 100, 50, if is_there { 255 } else { 0 }]
+        };
+        Image::new(side, side, 4, (0..side * side).flat_map(texel).collect()).expect("sizes are right")
+    }
+
+    #[test]
+    fn coverage_is_kept_in_every_mip() {
+        let image = checks(128);
+        let map = Map::new(&image, true, Some(0.5), &Tones::new());
+        let whole = coverage(&image, 0.5);
+        assert_eq!(map.smaller.len(), 7);
+        for smaller in &map.smaller[..4] {
+            let kept = coverage(smaller, 0.5);
+            assert!((kept - whole).abs() < 0.1, "{kept} of {whole} at {} pixels", smaller.width());
+        }
+    }
+
+    #[test]
+    fn mips_keep_the_light() {
+        let image = Image::new(2, 1, 3, vec![255, 255, 255, 0, 0, 0]).expect("sizes are right");
+        let map = Map::new(&image, true, None, &Tones::new());
+        assert_eq!(map.smaller[0].bytes(), [188; 3], "half of the light is 188 in sRGB");
+    }
+
+    #[test]
+    fn a_tile_repeats() {
+        let image = checks(16);
+        let (map, tones) = (Map::new(&image, true, None, &Tones::new()), Tones::new());
+        for uv in [Vec2::new(0.3, 0.7), Vec2::new(0.99, 0.01)] {
+            let far = uv + Vec2::new(3.0, -2.0);
+            assert!(map.bilinear(0, uv, &tones).abs_diff_eq(map.bilinear(0, far, &tones), 1e-4));
+        }
+    }
+}
