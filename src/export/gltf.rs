@@ -26,7 +26,7 @@ const CHUNK_BINARY: u32 = 0x004E_4942;
 const VERSION: u32 = 2;
 
 /// Writes `mesh` as a glTF 2.0 binary file: positions, normals, indices, and whatever else the vertices have: tangents,
-/// texture coordinates (`TEXCOORD_0`), colours (`COLOR_0`), and of [`Wind`] the custom attributes
+/// texture coordinates (`TEXCOORD_0`), colours (`COLOR_0`), and of [`Wind`](crate::surface::Wind) the custom attributes
 /// `_WIND_PIVOT` (VEC3, metres) and `_WIND` (VEC3: level, phase, stiffness).
 ///
 /// glTF's axes and unit are this crate's (right-handed, +Y up, metres), so nothing is converted and every number
