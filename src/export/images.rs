@@ -14,7 +14,7 @@ pub struct ImageFile<'a> {
     image: Cow<'a, Image>,
 }
 
-#[cfg(feature = "texture")]
+#[cfg_attr(not(feature = "texture"), allow(unreachable_pub, reason = "there are none"))]
 impl ImageFile<'_> {
     /// The name by which the file knows it: letters, digits, `_`, and `.png`.
     pub fn name(&self) -> &str {

@@ -39,10 +39,6 @@ mod none {
             match *self {}
         }
 
-        pub(in crate::export) fn has_alpha(&self) -> bool {
-            match *self {}
-        }
-
         pub(in crate::export) fn bytes(&self) -> &[u8] {
             match *self {}
         }
