@@ -47,6 +47,8 @@
 //! | `testing` | proptest strategies and contract checks for strategies of your own, `testing` |
 #![cfg_attr(docsrs, feature(doc_cfg))]
 
+#[cfg(feature = "texture")]
+pub mod asset;
 pub mod export;
 pub mod field;
 pub mod foliage;
