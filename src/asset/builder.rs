@@ -22,7 +22,7 @@ const VARIANTS: u32 = 4;
 /// The least and the greatest height of the pictures in which cover and colour are measured, pixels.
 const MEASURED: (f32, f32) = (48.0, 240.0);
 /// Points along each side of one.
-const POINTS: usize = 2;
+const POINTS: usize = super::measure::SAMPLES;
 /// Directions from which they are measured: turned about the vertical, lifted.
 const VIEWS: [(f32, f32); 3] = [(0.2, 0.1), (0.2 + TAU / 3.0, 0.1), (0.2 + 2.0 * TAU / 3.0, 0.1)];
 /// By how much cards may be smaller or larger than the twigs they stand for.
@@ -303,7 +303,7 @@ impl<'a> Tree<'a> {
         let kinds = source.kinds(&models, grid, true);
         let whole: Vec<usize> =
             whole.iter().flat_map(|&i| clusters[i].leaves.iter().map(|&leaf| leaf as usize)).collect();
-        let asset = self.fit(&source, bark, error, &whole, &chosen, &kind_of, &kinds, grid)?;
+        let asset = self.fit(bark, error, &whole, &chosen, &kind_of, &kinds, grid)?;
         Ok((asset, grouping))
     }
 
@@ -311,7 +311,6 @@ impl<'a> Tree<'a> {
     #[expect(clippy::too_many_arguments, reason = "called once")]
     fn fit(
         &self,
-        source: &Source<'_>,
         bark: Mesh,
         error: f32,
         whole: &[usize],
@@ -324,7 +323,7 @@ impl<'a> Tree<'a> {
         let cards = |larger: f32| {
             let mut copies = vec![Vec::new(); kinds.len()];
             for (cluster, &kind) in clusters.iter().zip(kind_of) {
-                copies[kind as usize].push(source.instance(cluster, &kinds[kind as usize], larger));
+                copies[kind as usize].push(card::instance(cluster, &kinds[kind as usize], larger));
             }
             copies
         };
@@ -352,9 +351,9 @@ impl<'a> Tree<'a> {
                 break;
             }
             if off > 0.0 {
-                high = larger
+                high = larger;
             } else {
-                low = larger
+                low = larger;
             }
             // Cover grows about as the size does, for cards hide each other.
             let next = larger * (1.0 - off as f32);
@@ -406,17 +405,18 @@ impl<'a> Tree<'a> {
         if self.all.is_empty() {
             return Ok(Grouping { roots: Vec::new(), of: Vec::new() });
         }
-        let none = AssetError::TooFewTriangles { triangles: most * card::TRIANGLES, least: card::TRIANGLES };
         let Some(finer) = finer else {
             let weights: Vec<_> = self.all.iter().map(|leaf| (leaf.copy.node, leaf.area)).collect();
-            let (roots, of) = cluster::group(self.skeleton, &weights, most, least).ok_or(none)?;
+            let (roots, of) =
+                cluster::group(self.skeleton, &weights, most, least).ok_or(AssetError::Nothing)?;
             return Ok(Grouping { roots, of });
         };
         let mut weights: Vec<(u32, f32)> = finer.roots.iter().map(|&root| (root, 0.0)).collect();
         for (leaf, &group) in self.all.iter().zip(&finer.of) {
             weights[group as usize].1 += leaf.area;
         }
-        let (roots, groups) = cluster::group(self.skeleton, &weights, most, least).ok_or(none)?;
+        let (roots, groups) =
+            cluster::group(self.skeleton, &weights, most, least).ok_or(AssetError::Nothing)?;
         let of = finer.of.iter().map(|&group| groups[group as usize]).collect();
         Ok(Grouping { roots, of })
     }
@@ -527,6 +527,8 @@ fn tally(parts: &[Part<'_>], frame: Frame) -> Tally {
         Tally::of(&draw(&drawn, frame.view(yaw, lift), frame.width, frame.height, POINTS).finish(lit))
     });
     let mut sum = Tally::default();
-    each.iter().for_each(|tally| sum.add(tally));
+    for tally in &each {
+        sum.add(tally);
+    }
     sum
 }

@@ -169,16 +169,16 @@ impl Source<'_> {
         }
         wood
     }
+}
 
-    /// Where the card of a kind stands for a cluster, `larger` than it.
-    pub(super) fn instance(&self, cluster: &Cluster, kind: &Kind, larger: f32) -> Instance {
-        let scale = (cluster.area / kind.area.max(f32::MIN_POSITIVE)).sqrt() * larger;
-        let scale = scale.clamp(1e-20, 1e20);
-        let rotation = Quat::from_mat3(&cluster.frame).normalize();
-        let turned = Mat3::from_quat(rotation) * kind.middle;
-        let (position, node) = (cluster.middle - turned * scale, cluster.root);
-        Instance { position, rotation, scale, node, tint: cluster.tint }
-    }
+/// Where the card of a kind stands for a cluster, `larger` than it.
+pub(super) fn instance(cluster: &Cluster, kind: &Kind, larger: f32) -> Instance {
+    let scale = (cluster.area / kind.area.max(f32::MIN_POSITIVE)).sqrt() * larger;
+    let scale = scale.clamp(1e-20, 1e20);
+    let rotation = Quat::from_mat3(&cluster.frame).normalize();
+    let turned = Mat3::from_quat(rotation) * kind.middle;
+    let (position, node) = (cluster.middle - turned * scale, cluster.root);
+    Instance { position, rotation, scale, node, tint: cluster.tint }
 }
 
 /// How a flat twig bends away from its plane: `a + b·x + c·y + d·x·y` by least squares.
@@ -220,8 +220,9 @@ fn solve(mut rows: [[f64; 5]; 4]) -> [f64; 4] {
     for i in 0..4 {
         for j in i + 1..4 {
             let factor = rows[j][i] / rows[i][i];
-            for k in i..5 {
-                rows[j][k] -= factor * rows[i][k];
+            let above = rows[i];
+            for (entry, above) in rows[j].iter_mut().zip(above).skip(i) {
+                *entry -= factor * above;
             }
         }
     }

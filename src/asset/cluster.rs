@@ -57,10 +57,8 @@ fn gather(skeleton: &Skeleton, weights: &[(u32, f32)], a_metre: f32, target: f32
         if pending[node] >= target || node == 0 && pending[node] > 0.0 {
             group[node] = roots.len() as u32;
             roots.push(node as u32);
-        } else if let Some(parent) = skeleton.parent(node) {
-            if pending[node] > 0.0 {
-                pending[parent] += pending[node] + a_metre * positions[node].distance(positions[parent]);
-            }
+        } else if let Some(parent) = skeleton.parent(node).filter(|_| pending[node] > 0.0) {
+            pending[parent] += pending[node] + a_metre * positions[node].distance(positions[parent]);
         }
     }
     for (node, parent) in skeleton.edges() {
@@ -75,7 +73,9 @@ fn gather(skeleton: &Skeleton, weights: &[(u32, f32)], a_metre: f32, target: f32
 /// The length of all branches that lead to a weight, the trunk's too, metres.
 fn leafy_length(skeleton: &Skeleton, weights: &[(u32, f32)]) -> f32 {
     let mut leads = vec![false; skeleton.len()];
-    weights.iter().for_each(|(node, _)| leads[*node as usize] = true);
+    for (node, _) in weights {
+        leads[*node as usize] = true;
+    }
     let mut length = 0.0;
     for (node, parent) in skeleton.edges().rev().filter(|(node, _)| *node > 0) {
         if leads[node] {
@@ -96,7 +96,10 @@ pub(super) fn group(
     let total: f32 = weights.iter().map(|(_, weight)| weight).sum();
     let a_metre = total / leafy_length(skeleton, weights).max(1e-9);
     let mut target = (0.4 * total / most.max(1) as f32).max(least);
-    while most > 0 {
+    if most == 0 {
+        return None;
+    }
+    loop {
         let found = gather(skeleton, weights, a_metre, target);
         if found.0.len() <= most {
             return Some(found);
@@ -104,7 +107,6 @@ pub(super) fn group(
         // One group of all comes at the latest when the target is more than the whole.
         target *= 1.04;
     }
-    None
 }
 
 /// Leaves that one card stands for.
@@ -210,8 +212,8 @@ fn principal(mut a: [[f64; 3]; 3]) -> [Vec3; 3] {
             let t = theta.signum() / (theta.abs() + (theta * theta + 1.0).sqrt());
             let c = 1.0 / (t * t + 1.0).sqrt();
             let s = t * c;
-            for k in 0..3 {
-                (a[k][p], a[k][q]) = (c * a[k][p] - s * a[k][q], s * a[k][p] + c * a[k][q]);
+            for row in &mut a {
+                (row[p], row[q]) = (c * row[p] - s * row[q], s * row[p] + c * row[q]);
             }
             for k in 0..3 {
                 (a[p][k], a[q][k]) = (c * a[p][k] - s * a[q][k], s * a[p][k] + c * a[q][k]);

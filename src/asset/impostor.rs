@@ -133,7 +133,9 @@ impl Impostor {
                 Tally::of(&draw(&drawn, view, frame.width, frame.height, 2).finish(lit))
             });
             let mut sum = Tally::default();
-            each.iter().for_each(|tally| sum.add(tally));
+            for tally in &each {
+                sum.add(tally);
+            }
             sum
         };
         let wanted = tally(parts);
@@ -166,9 +168,9 @@ impl Impostor {
                 break;
             }
             if off > 0.0 {
-                high = thicker
+                high = thicker;
             } else {
-                low = thicker
+                low = thicker;
             }
             thicker = (low * high).sqrt();
             found = with(thicker, [1.0; 3])?;

@@ -143,7 +143,9 @@ impl Veins {
                 }
             }
             let end = veins.main.len() as u32;
-            members.iter().for_each(|&vertex| veins.of[vertex] = (start, end));
+            for vertex in members {
+                veins.of[vertex] = (start, end);
+            }
         }
         veins
     }
