@@ -3,7 +3,7 @@
 use super::atlas::{self, Grid, PADDING};
 use super::bake::{Baked, Pixel, View};
 use super::builder::check_side;
-use super::measure::{Frame, Tally, bounds, draw, drawn, lit, skins};
+use super::measure::{Frame, Tally, bounds, draw, drawn, lit, reach, skins};
 use super::mips::Tones;
 use super::{Asset, AssetError, Piece};
 use crate::surface::{Instance, Material, Mesh, Part};
@@ -190,7 +190,7 @@ impl Impostor {
         parts.iter().try_for_each(Part::check::<AssetError>)?;
         let bounds = bounds(parts).ok_or(AssetError::Nothing)?;
         let center = bounds.center();
-        let radius = (0.5 * bounds.size().length()).max(1e-6);
+        let radius = reach(parts, center).max(1e-6);
         let (grid, cell) = (self.grid as usize, (self.texture_size / self.grid) as usize);
         let side = cell - 2 * (PADDING / 2);
         let skins = skins(parts);

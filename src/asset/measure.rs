@@ -150,9 +150,9 @@ pub(super) fn draw(drawn: &[Drawn<'_>], view: View, width: usize, height: usize,
     raster
 }
 
-/// The box about all copies; `None` if there are none. O(vertices of all copies).
-pub(super) fn bounds(parts: &[Part<'_>]) -> Option<Bounds> {
-    let points = parts.iter().flat_map(|part| {
+/// The corners of all triangles of all copies.
+fn points<'a>(parts: &'a [Part<'_>]) -> impl Iterator<Item = Vec3> + 'a {
+    parts.iter().flat_map(|part| {
         part.copies().iter().flat_map(move |copy| {
             let matrix = copy.matrix();
             part.mesh()
@@ -160,9 +160,18 @@ pub(super) fn bounds(parts: &[Part<'_>]) -> Option<Bounds> {
                 .iter()
                 .map(move |&i| matrix * part.mesh().positions[i as usize] + copy.position)
         })
-    });
-    let bounds = Bounds::of(points);
+    })
+}
+
+/// The box about all copies; `None` if there are none. O(vertices of all copies).
+pub(super) fn bounds(parts: &[Part<'_>]) -> Option<Bounds> {
+    let bounds = Bounds::of(points(parts));
     (!bounds.is_empty() && bounds.size().is_finite()).then_some(bounds)
+}
+
+/// How far anything is from a point, metres.
+pub(super) fn reach(parts: &[Part<'_>], from: Vec3) -> f32 {
+    points(parts).map(|point| point.distance_squared(from)).fold(0.0, f32::max).sqrt()
 }
 
 /// A picture that has room for a model from all sides.
