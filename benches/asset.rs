@@ -38,7 +38,7 @@ fn main() {
         samples.time(bencher, FAR, || Impostor::default().billboards(&dense.parts()));
     });
     group.bench_function(AROUND, |bencher| {
-        samples.time(bencher, AROUND, || around.octahedral(&dense.parts()))
+        samples.time(bencher, AROUND, || around.octahedral(&dense.parts()));
     });
     group.finish();
     criterion.final_summary();

@@ -4,7 +4,7 @@ use treesynth::asset::{Asset, AssetBuilder, AssetError, Impostor, LeafImages, Li
 use treesynth::foliage::{Foliage, Leaf, Leaves};
 use treesynth::glam::Vec3;
 use treesynth::presets::{self, Preset, Season};
-use treesynth::surface::{Instance, SurfaceError, Tubes};
+use treesynth::surface::{Instance, Part, SurfaceError, Tubes};
 use treesynth::{Skeleton, texture::Textures};
 
 fn tree(preset: &Preset, nodes: usize) -> Skeleton {
@@ -95,8 +95,7 @@ fn levels_are_smaller_and_nested_and_look_alike() {
             // A card stands where one of the finer level's stands.
             let nodes = |asset: &Asset| -> Vec<u32> {
                 let parts = asset.parts();
-                let copies =
-                    parts.iter().filter(|part| part.name() == "cards").flat_map(|part| part.copies());
+                let copies = parts.iter().filter(|part| part.name() == "cards").flat_map(Part::copies);
                 let mut nodes: Vec<u32> = copies.map(|copy| copy.node).collect();
                 nodes.sort_unstable();
                 nodes
@@ -190,13 +189,19 @@ fn bad_input_is_named_or_does_what_it_can() {
     assert!(matches!(Tubes::default().within(&thick, 2), Err(SurfaceError::TooFewTriangles { .. })));
     // Radii of zero: no bark and no foliage, but leaves of one's own.
     assert!(builder.build(&pole, 1).is_err() && leafy.build(&pole, 1).is_err());
-    let one = Leaves::clone(&oak().place(&thick, 1).expect("leaves"));
-    let mut one = one;
+    let mut one: Leaves = oak().place(&thick, 1).expect("leaves");
     one.instances.truncate(1);
-    let crown =
-        builder.clone().with_triangles(Some(1_000)).build_with(&pole, &[one.clone()]).expect("one leaf");
+    let crown = builder
+        .clone()
+        .with_triangles(Some(1_000))
+        .build_with(&pole, std::slice::from_ref(&one))
+        .expect("one leaf");
     assert_eq!((crown.leaves(), crown.triangles()), (1, 20));
-    let card = builder.clone().with_triangles(Some(19)).build_with(&pole, &[one.clone()]).expect("one card");
+    let card = builder
+        .clone()
+        .with_triangles(Some(19))
+        .build_with(&pole, std::slice::from_ref(&one))
+        .expect("one card");
     assert_eq!((card.cards(), card.triangles()), (1, 4));
     check(&card, "a crown of one leaf");
     one.instances[0] = Instance { node: 7, ..one.instances[0] };
