@@ -41,12 +41,14 @@
 //! | `serde` | skeletons, metrics, forests and species with serde |
 //! | `json` | skeletons as JSON text, `export::json`; implies `serde` |
 //! | `mint` | `From` and `Into` between [`glam`]'s vectors and `mint`'s, for users on another glam version |
-//! | `texture` | images that surfaces wear, `texture` |
+//! | `texture` | images that surfaces wear, `texture`; trees within a budget, levels in leaf, impostors, `asset` |
 //! | `preview` | shaded PNG pictures without a GPU, `preview`; implies `texture` |
 //! | `import` | meshes from OBJ, STL, PLY and glTF files, outlines from SVG drawings and path data, as shapes |
 //! | `testing` | proptest strategies and contract checks for strategies of your own, `testing` |
 #![cfg_attr(docsrs, feature(doc_cfg))]
 
+#[cfg(feature = "texture")]
+pub mod asset;
 pub mod export;
 pub mod field;
 pub mod foliage;

@@ -41,6 +41,8 @@ impl Purpose {
     pub const GROWTH: Self = Self(48);
     /// Where the points and gradients of a bark texture lie.
     pub const BARK: Self = Self(72);
+    /// Which twigs stand for others as cards, and how one leaf's image differs from the next.
+    pub const CARDS: Self = Self(49);
     /// The first purpose that the crate itself never uses.
     pub const CUSTOM: Self = Self(1 << 16);
 }

@@ -107,6 +107,7 @@ pub struct Foliage {
     turn: f32,
     disorder: f32,
     kept: f32,
+    tint_variation: f32,
 }
 
 impl Foliage {
@@ -129,6 +130,7 @@ impl Foliage {
             turn: 0.7,
             disorder: 0.25,
             kept: 1.0,
+            tint_variation: 0.0,
         }
     }
 
@@ -225,6 +227,14 @@ impl Foliage {
         self
     }
 
+    /// By how much the colour of a leaf may be darker than the others', 0 to 0.9: its [tint](Instance::tint) has a
+    /// brightness from 1 less this to 1, evenly distributed, and up to a third of this less of red or of blue. Default 0: all
+    /// alike; 0.25 looks natural.
+    pub fn with_tint_variation(mut self, spread: f32) -> Self {
+        self.tint_variation = spread;
+        self
+    }
+
     /// How the leaf looks, in another season for example.
     pub fn with_material(mut self, material: Material) -> Self {
         self.leaf = self.leaf.with_material(material);
@@ -264,6 +274,7 @@ impl Foliage {
             ("size_variation", self.size_variation, 0.9),
             ("turn", self.turn, 1.0),
             ("disorder", self.disorder, 1.0),
+            ("tint_variation", self.tint_variation, 0.9),
             ("kept", self.kept, 1.0),
         ] {
             let holds = (0.0..=most).contains(&value);

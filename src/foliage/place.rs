@@ -17,6 +17,8 @@ enum Draw {
     Turn,
     Lean,
     Size,
+    Brightness,
+    Hue,
 }
 
 pub(super) fn place(
@@ -180,7 +182,7 @@ impl<'a> Twig<'a> {
                         rotation: self.rotation(seed, number, along, outward),
                         scale: self.scale(seed, number, distance),
                         node: internode.node,
-                        tint: [1.0; 3],
+                        tint: self.tint(seed, number),
                     });
                 }
                 whorl += 1;
@@ -214,6 +216,17 @@ impl<'a> Twig<'a> {
         let t = if self.leafy > 0.0 { (from_tip / self.leafy).min(1.0) } else { 0.0 };
         let variation = 1.0 + size_variation * (2.0 * self.unit(seed, Draw::Size, number) - 1.0);
         (self.size * (size_at_tip + (1.0 - size_at_tip) * t) * variation).clamp(1e-30, 1e30)
+    }
+
+    /// Darker than the others by chance, and yellower or bluer.
+    fn tint(&self, seed: u64, number: u32) -> [f32; 3] {
+        let spread = self.foliage.tint_variation;
+        if spread == 0.0 {
+            return [1.0; 3];
+        }
+        let light = 1.0 - spread * self.unit(seed, Draw::Brightness, number);
+        let hue = (2.0 * self.unit(seed, Draw::Hue, number) - 1.0) * spread / 3.0;
+        [light * (1.0 - hue.max(0.0)), light, light * (1.0 + hue.min(0.0))]
     }
 
     fn disorder(&self, seed: u64, draw: Draw, number: u32) -> f32 {

@@ -112,6 +112,69 @@ impl Levels {
     }
 }
 
+impl Tubes {
+    /// The most detailed tubes of at most so many triangles.
+    ///
+    /// That is [`with_error`](Self::with_error) at the least error that keeps the budget, found in steps of an eighth, but
+    /// branches go sooner than the others lose their shape: those that show less than 4 (2 `error`)² with all they bear. A
+    /// larger budget keeps every branch of a smaller one. O(nodes) for each of some seven tries.
+    ///
+    /// ```
+    /// use treesynth::{presets, surface::Tubes};
+    ///
+    /// let tree = presets::by_name("figure-06b").unwrap().synth(3000).synthesize(1)?.relaxed(0.5, 3)?;
+    /// assert!(Tubes::default().within(&tree, 2_000)?.mesh.triangles().len() <= 2_000);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    ///
+    /// # Errors
+    /// Fewer triangles than the trunk needs, [`SurfaceError::TooFewTriangles`]; whatever [`mesh`](Self::mesh) refuses.
+    pub fn within(&self, skeleton: &Skeleton, triangles: usize) -> Result<Level, SurfaceError> {
+        Ok(self.within_keeping(skeleton, triangles)?.0)
+    }
+
+    /// As [`within`](Self::within), and for each branch whether it is there.
+    pub(crate) fn within_keeping(
+        &self,
+        skeleton: &Skeleton,
+        triangles: usize,
+    ) -> Result<(Level, Vec<bool>), SurfaceError> {
+        /// How much the error grows from one step to the next.
+        const STEP: f32 = 1.125;
+        /// Of the thickest radius: the least error tried.
+        const LEAST: f32 = 1e-3;
+        /// Branches go sooner than the others lose their shape by this factor.
+        const UNSEEN: f32 = 2.0;
+        let widest = skeleton.radii().iter().copied().fold(0.0, f32::max);
+        let size = Bounds::of(skeleton.positions().iter().copied()).size().length();
+        let tubes = |error| self.clone().with_error(error).with_unseen(UNSEEN);
+        let first = (widest * LEAST).clamp(1e-6, f32::MAX);
+        // At an error of the whole tree's size nothing is left to save.
+        let mut errors = vec![first];
+        while errors[errors.len() - 1] <= size + widest {
+            errors.push(errors[errors.len() - 1] * STEP);
+        }
+        let (mut low, mut high) = (0, errors.len() - 1);
+        let mut found = tubes(errors[high]).plan(skeleton)?;
+        if found.triangles > triangles {
+            return Err(SurfaceError::TooFewTriangles { triangles, least: found.triangles });
+        }
+        while low < high {
+            let middle = usize::midpoint(low, high);
+            let plan = tubes(errors[middle]).plan(skeleton)?;
+            if plan.triangles <= triangles {
+                (high, found) = (middle, plan);
+            } else {
+                low = middle + 1;
+            }
+        }
+        let error = errors[high];
+        let mut kept = vec![false; skeleton.branches().len()];
+        found.axes.all.iter().for_each(|axis| kept[axis.branch] = true);
+        Ok((Level { mesh: found.weave(&tubes(error)), error }, kept))
+    }
+}
+
 /// The least step after `step` at which there are at most so many triangles, and its plan; `None` if there is none.
 ///
 /// Triangles get fewer with every step, so that it is looked for from where it mostly is.

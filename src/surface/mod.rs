@@ -85,6 +85,14 @@ pub enum SurfaceError {
         /// The number of blocks allowed.
         most: usize,
     },
+    /// A budget that not even the trunk keeps.
+    #[error("a budget of {triangles} triangles is too small: the trunk alone needs {least}")]
+    TooFewTriangles {
+        /// The triangles allowed.
+        triangles: usize,
+        /// What the trunk needs at the least.
+        least: usize,
+    },
     /// More vertices than 32-bit indices can name.
     #[error(
         "the mesh would need {vertices} vertices, but 32-bit indices name at most {}; use fewer sides",

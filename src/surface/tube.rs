@@ -8,6 +8,9 @@ use crate::skeleton::Branches;
 use crate::{ParameterError, Skeleton};
 use std::f32::consts::PI;
 
+/// By how much branches may be wider to make up for those left out.
+const MOST_WIDENING: f32 = 1.3;
+
 /// A smooth tube along every branch, with a collar where it leaves the one that bears it, and a round tip.
 ///
 /// What it guarantees: triangles face outward and have an area; normals are of unit length, tangents too and
@@ -53,6 +56,8 @@ pub struct Tubes {
     least_sides: u32,
     turn: f32,
     pub(super) error: Option<f32>,
+    /// How large what is left out may be beside the error.
+    unseen: f32,
     pub(super) root_flare: f32,
     pub(super) collars: bool,
     pub(super) closed_base: bool,
@@ -70,6 +75,7 @@ impl Default for Tubes {
             least_sides: 4,
             turn: 20f32.to_radians(),
             error: None,
+            unseen: 1.0,
             root_flare: 0.5,
             collars: true,
             closed_base: false,
@@ -114,6 +120,12 @@ impl Tubes {
     /// [`Levels`](super::Levels).
     pub fn with_error(mut self, error: f32) -> Self {
         self.error = Some(error);
+        self
+    }
+
+    /// Leaves out branches that show, with all they bear, an area of less than 4 (`factor` `error`)².
+    pub(super) fn with_unseen(mut self, factor: f32) -> Self {
+        self.unseen = factor;
         self
     }
 
@@ -243,7 +255,8 @@ impl Tubes {
             areas[node] += area(node, parent);
             areas[parent] += areas[node];
         }
-        let seen = |nodes: &[u32]| nodes.len() < 2 || areas[nodes[1] as usize] >= 4.0 * error * error;
+        let least = 4.0 * (self.unseen * error) * (self.unseen * error);
+        let seen = |nodes: &[u32]| nodes.len() < 2 || areas[nodes[1] as usize] >= least;
         let unseen = branches.iter().enumerate().map(|(i, branch)| i > 0 && !seen(branch.nodes()));
         let unseen: Vec<bool> = unseen.collect();
         let (mut lost, mut thin) = (0.0, 0.0);
@@ -254,7 +267,7 @@ impl Tubes {
                 *sum += if *unseen || skeleton.radii()[node] < error { area(node, parent) } else { 0.0 };
             }
         }
-        let widening = if thin > 0.0 { 1.0 + lost / thin } else { 1.0 };
+        let widening = if thin > 0.0 { (1.0 + lost / thin).min(MOST_WIDENING) } else { 1.0 };
         Dropped { branches: unseen, widening, widest: error }
     }
 }
@@ -273,7 +286,7 @@ impl Dropped {
     }
 
     /// The radius of what is kept: thin branches are as much wider as others are missing, so that the crown stays as
-    /// dense (Cook et al. 2007), but by no more than can be seen.
+    /// dense (Cook et al. 2007), but by no more than can be seen, and never so much that limbs swell.
     pub(super) fn widened(&self, radius: f32) -> f32 {
         radius.max((radius * self.widening).min(self.widest))
     }

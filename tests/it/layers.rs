@@ -14,7 +14,7 @@ const LAYERS: &[&[&str]] = &[
     &["guided", "growth", "self_organizing", "variational"],
     &["surface"],
     &["foliage"],
-    &["export", "preview"],
+    &["export", "preview", "asset"],
     &["presets"],
     &["testing"],
 ];

@@ -3,6 +3,7 @@
 #![allow(clippy::disallowed_methods, reason = "oracles take the platform's functions, in double precision")]
 
 mod allocations;
+mod asset;
 #[cfg(feature = "json")]
 mod bad_input;
 mod blob;

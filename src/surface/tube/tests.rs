@@ -370,3 +370,43 @@ fn square_tiles_change_nothing_but_v() {
     assert!(plain.uvs.iter().zip(&square.uvs).all(|(a, b)| (a.x - b.x).abs() < 1e-9));
     assert!(plain.uvs != square.uvs);
 }
+
+/// Limbs made up for what is left out by up to the error, and looked like cactus arms at 0.26 m.
+#[test]
+fn no_limb_swells() {
+    for name in ["figure-17e", "figure-06c", "fine-oak"] {
+        let preset = crate::presets::by_name(name).expect("a preset");
+        let tree = preset.synth(3000).synthesize(1).expect("a tree").relaxed(0.5, 3).expect("sound options");
+        let branches = tree.branches();
+        for error in [0.001, 0.01, 0.05, 0.26, 1.0] {
+            let dropped = Tubes::default().with_error(error).dropped(&tree, &branches);
+            for &radius in tree.radii() {
+                let widened = dropped.widened(radius);
+                assert!(widened >= radius && widened <= 1.3001 * radius, "{name}: {radius} m to {widened} m");
+            }
+        }
+    }
+}
+
+#[test]
+fn tubes_keep_a_budget_and_branches_go_one_after_another() {
+    for name in ["figure-17e", "figure-06c", "fine-oak"] {
+        let preset = crate::presets::by_name(name).expect("a preset");
+        let tree = preset.synth(3000).synthesize(1).expect("a tree").relaxed(0.5, 3).expect("sound options");
+        let mut finer: Option<(f32, Vec<bool>)> = None;
+        for triangles in [20_000, 5_000, 1_000, 200, 40] {
+            let (level, kept) = Tubes::default().within_keeping(&tree, triangles).expect("room for a trunk");
+            assert!(level.mesh.triangles().len() <= triangles);
+            level.mesh.check().expect("a sound mesh");
+            assert!(kept[0], "the trunk stays");
+            if let Some((error, before)) = &finer {
+                assert!(level.error >= *error);
+                assert!(
+                    kept.iter().zip(before).all(|(now, before)| *before || !now),
+                    "{name}: a branch came back"
+                );
+            }
+            finer = Some((level.error, kept));
+        }
+    }
+}

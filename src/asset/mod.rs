@@ -1,0 +1,137 @@
+//! Trees that one can ship: bark and leaves within a budget of triangles, twigs as cards, levels of detail, impostors.
+
+mod atlas;
+mod bake;
+mod builder;
+mod card;
+mod cluster;
+mod impostor;
+mod leaf;
+mod levels;
+mod measure;
+mod mips;
+mod skin;
+
+pub use builder::AssetBuilder;
+pub use impostor::{Impostor, Octahedral};
+pub use leaf::LeafImages;
+pub use measure::{Likeness, portrait};
+pub use mips::{alpha_coverage, mips};
+
+use crate::ParameterError;
+use crate::foliage::FoliageError;
+use crate::surface::{Instance, Material, Mesh, MeshError, Part, SurfaceError};
+use crate::texture::{TextureError, Textures};
+use std::sync::Arc;
+
+/// Why there is no asset.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum AssetError {
+    /// An option out of its range.
+    #[error(transparent)]
+    Parameter(#[from] ParameterError),
+    /// The bark cannot be made.
+    #[error(transparent)]
+    Surface(#[from] SurfaceError),
+    /// The leaves cannot be placed.
+    #[error(transparent)]
+    Foliage(#[from] FoliageError),
+    /// A mesh or an instance cannot be drawn.
+    #[error(transparent)]
+    Mesh(#[from] MeshError),
+    /// An image cannot be made.
+    #[error(transparent)]
+    Texture(#[from] TextureError),
+    /// A budget that not even the trunk and one card keep.
+    #[error("a budget of {triangles} triangles is too small: the trunk and one card need {least}")]
+    TooFewTriangles {
+        /// The triangles allowed.
+        triangles: usize,
+        /// What is needed at the least.
+        least: usize,
+    },
+    /// There is no triangle to be seen.
+    #[error("there is nothing to be seen: no part has a triangle")]
+    Nothing,
+}
+
+/// A mesh at many places.
+#[derive(Debug, Clone, PartialEq)]
+struct Piece {
+    name: &'static str,
+    mesh: Mesh,
+    material: Material,
+    textures: Option<Arc<Textures>>,
+    instances: Vec<Instance>,
+}
+
+impl Piece {
+    fn part(&self) -> Part<'_> {
+        let mut part = Part::new(&self.mesh).with_name(self.name).with_material(self.material);
+        if let Some(textures) = &self.textures {
+            part = part.with_textures(textures);
+        }
+        // What stands once at the root is no instance.
+        let is_once = self.instances.len() == 1 && self.instances[0] == Instance::IDENTITY;
+        if is_once { part } else { part.with_instances(&self.instances) }
+    }
+}
+
+/// A tree's bark, leaves and cards, or its impostor.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Asset {
+    bark: Piece,
+    leaves: Vec<Piece>,
+    cards: Vec<Piece>,
+    error: f32,
+}
+
+impl Asset {
+    /// What is written and drawn: `bark`; `leaves`, a part for each variant of their images; and `cards`, a part for each kind
+    /// of twig, of which all wear the same images. Empty ones are left out. An impostor has one part, `impostor`.
+    pub fn parts(&self) -> Vec<Part<'_>> {
+        let pieces = std::iter::once(&self.bark).chain(&self.leaves).chain(&self.cards);
+        pieces
+            .filter(|piece| !piece.mesh.is_empty() && !piece.instances.is_empty())
+            .map(Piece::part)
+            .collect()
+    }
+
+    /// Triangles of all copies of all parts.
+    pub fn triangles(&self) -> usize {
+        self.parts().iter().map(|part| part.triangles() as usize).sum()
+    }
+
+    /// The bark.
+    pub fn bark(&self) -> &Mesh {
+        &self.bark.mesh
+    }
+
+    /// How many leaves are shown as they are.
+    pub fn leaves(&self) -> usize {
+        self.leaves.iter().map(|piece| piece.instances.len()).sum()
+    }
+
+    /// How many cards there are.
+    pub fn cards(&self) -> usize {
+        self.cards.iter().map(|piece| piece.instances.len()).sum()
+    }
+
+    /// The images of the cards, or of the impostor, if there are any.
+    pub fn card_textures(&self) -> Option<&Textures> {
+        self.cards.first()?.textures.as_deref()
+    }
+
+    /// By how much the bark may be off the smooth tubes, metres, and a texel of the impostor; 0 for a dense model. Show it
+    /// from where this is less than a pixel.
+    pub fn error(&self) -> f32 {
+        self.error
+    }
+
+    /// How high the picture of a tree of this height is, in pixels, when the asset's error is one pixel: it is made for this
+    /// size and smaller ones. Infinite for a dense model.
+    pub fn pixels(&self, height: f32) -> f32 {
+        if self.error > 0.0 { height / self.error } else { f32::INFINITY }
+    }
+}

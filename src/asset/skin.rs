@@ -1,0 +1,119 @@
+//! Images as a rasterizer reads them.
+
+use super::mips;
+use crate::math;
+use crate::surface::Mesh;
+use crate::texture::{Image, Textures};
+use glam::{Vec2, Vec3, Vec4};
+
+/// The colours and normals of some textures, in all sizes.
+#[derive(Debug)]
+pub(super) struct Skin {
+    color: Vec<Image>,
+    normal: Vec<Image>,
+    cutoff: Option<f32>,
+    /// Linear values of the 256 tones.
+    linear: Vec<f32>,
+}
+
+/// What a skin shows at a point.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Texel {
+    pub(super) color: [f32; 3],
+    /// In tangent space.
+    pub(super) normal: Vec3,
+    /// The tangent at the triangle's first corner, if there is a normal map.
+    pub(super) tangent: Option<Vec4>,
+}
+
+/// A skin on a triangle, at the size at which it is seen.
+#[derive(Debug)]
+pub(super) struct SkinOn<'a> {
+    skin: &'a Skin,
+    uvs: [Vec2; 3],
+    level: usize,
+    tangent: Option<Vec4>,
+}
+
+impl Skin {
+    pub(super) fn new(textures: &Textures) -> Self {
+        let cutoff = textures.alpha_cutoff().filter(|_| textures.is_masked());
+        Self {
+            color: textures.base_color().map(|image| mips::colors(image, cutoff)).unwrap_or_default(),
+            normal: textures.normal().map(mips::normals).unwrap_or_default(),
+            cutoff,
+            linear: (0..256).map(|tone| math::linear(tone as f32 / 255.0)).collect(),
+        }
+    }
+
+    /// On a triangle whose area is twice so many points of the picture.
+    pub(super) fn on(&self, mesh: &Mesh, triangle: [u32; 3], area: f32) -> SkinOn<'_> {
+        let uvs = triangle.map(|corner| mesh.uvs.get(corner as usize).copied().unwrap_or_default());
+        let tangent = mesh.tangents.get(triangle[0] as usize).copied().filter(|_| !self.normal.is_empty());
+        let size = self
+            .color
+            .first()
+            .map_or(Vec2::ONE, |image| Vec2::new(image.width() as f32, image.height() as f32));
+        // Texels a point, then halved in both directions until there is about one.
+        let mut texels = ((uvs[1] - uvs[0]) * size).perp_dot((uvs[2] - uvs[0]) * size).abs() / area;
+        let mut level = 0;
+        while texels > 2.0 && level + 1 < self.color.len() {
+            texels *= 0.25;
+            level += 1;
+        }
+        SkinOn { skin: self, uvs, level, tangent }
+    }
+}
+
+impl SkinOn<'_> {
+    /// What is at the point with these barycentric coordinates; nothing where there is a hole.
+    pub(super) fn at(&self, u: f32, v: f32, w: f32) -> Option<Texel> {
+        let uv = self.uvs[0] * u + self.uvs[1] * v + self.uvs[2] * w;
+        let mut texel = Texel { color: [1.0; 3], normal: Vec3::Z, tangent: self.tangent };
+        if let Some(image) = self.skin.color.get(self.level) {
+            let near = Near::new(image, uv);
+            if self
+                .skin
+                .cutoff
+                .is_some_and(|cutoff| near.mean(image, |texel| f32::from(texel[3])) < cutoff * 255.0)
+            {
+                return None;
+            }
+            texel.color =
+                [0, 1, 2].map(|i| near.mean(image, |texel| self.skin.linear[usize::from(texel[i])]));
+        }
+        if let Some(image) = self.skin.normal.get(self.level.min(self.skin.normal.len().max(1) - 1)) {
+            let near = Near::new(image, uv);
+            let mean = [0, 1, 2].map(|i| near.mean(image, |texel| f32::from(texel[i])) / 127.5 - 1.0);
+            texel.normal = Vec3::from_array(mean);
+        }
+        Some(texel)
+    }
+}
+
+/// The four texels about a point, and how near each is.
+struct Near {
+    corners: [[u32; 2]; 4],
+    weights: [f32; 4],
+}
+
+impl Near {
+    fn new(image: &Image, uv: Vec2) -> Self {
+        let (width, height) = (image.width(), image.height());
+        let at = uv * Vec2::new(width as f32, height as f32) - Vec2::splat(0.5);
+        let low = at.floor();
+        let Vec2 { x, y } = at - low;
+        let wrap = |i: f32, count: u32| (i as i64).rem_euclid(i64::from(count)) as u32;
+        let (left, right) = (wrap(low.x, width), wrap(low.x + 1.0, width));
+        let (top, bottom) = (wrap(low.y, height), wrap(low.y + 1.0, height));
+        Self {
+            corners: [[left, top], [right, top], [left, bottom], [right, bottom]],
+            weights: [(1.0 - x) * (1.0 - y), x * (1.0 - y), (1.0 - x) * y, x * y],
+        }
+    }
+
+    fn mean(&self, image: &Image, of: impl Fn(&[u8]) -> f32) -> f32 {
+        let texel = |i: usize| of(image.pixel(self.corners[i][0], self.corners[i][1])) * self.weights[i];
+        texel(0) + texel(1) + texel(2) + texel(3)
+    }
+}

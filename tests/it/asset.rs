@@ -1,0 +1,235 @@
+//! What an asset promises: its budget, its cover and colour, levels that are nested, images that can be worn.
+
+use treesynth::asset::{Asset, AssetBuilder, AssetError, Impostor, LeafImages, Likeness};
+use treesynth::foliage::{Foliage, Leaf, Leaves};
+use treesynth::glam::Vec3;
+use treesynth::presets::{self, Preset, Season};
+use treesynth::surface::{Instance, Part, SurfaceError, Tubes};
+use treesynth::{Skeleton, texture::Textures};
+
+fn tree(preset: &Preset, nodes: usize) -> Skeleton {
+    let tree = preset.synth(nodes).synthesize(preset.seed).expect(preset.name);
+    tree.relaxed(0.5, 3).expect("sound options")
+}
+
+/// Presets in leaf, every so manieth.
+fn in_leaf(step: usize) -> impl Iterator<Item = (&'static Preset, Foliage)> {
+    presets::all().filter_map(|preset| Some((preset, preset.foliage(Season::Summer)?))).step_by(step)
+}
+
+fn small(preset: &Preset, foliage: Foliage) -> AssetBuilder {
+    AssetBuilder::default()
+        .with_bark(preset.bark())
+        .with_foliage(foliage)
+        .with_texture_size(256)
+        .with_leaf_size(Some(32))
+}
+
+fn check(asset: &Asset, name: &str) {
+    for part in asset.parts() {
+        part.mesh().check().expect(name);
+        if let Some(textures) = part.textures() {
+            textures.check().expect(name);
+            let images = [textures.base_color(), textures.normal(), textures.transmission()];
+            assert!(images.iter().all(Option::is_some), "{name}");
+            assert!(
+                part.mesh()
+                    .uvs
+                    .iter()
+                    .all(|uv| uv.cmpge([0.0; 2].into()).all() && uv.cmple([1.0; 2].into()).all())
+            );
+        }
+        assert!(part.copies().iter().all(|copy| copy.position.is_finite() && copy.scale.is_finite()));
+    }
+}
+
+#[test]
+fn budgets_are_always_kept() {
+    for (preset, foliage) in in_leaf(7) {
+        let tree = tree(preset, 2_000);
+        let builder = small(preset, foliage);
+        for triangles in [60, 301, 2_003, 40_000] {
+            let asset = builder.clone().with_triangles(Some(triangles)).build(&tree, 1).expect(preset.name);
+            let found = asset.triangles();
+            assert!(found <= triangles, "{}: {found} of {triangles}", preset.name);
+            assert!(asset.cards() > 0 || asset.leaves() > 0, "{} is bare at {triangles}", preset.name);
+            // It is used, too, where there is more to show.
+            assert!(found * 2 > triangles || triangles < 100, "{}: only {found} of {triangles}", preset.name);
+            check(&asset, preset.name);
+        }
+    }
+}
+
+#[test]
+fn no_budget_is_the_dense_model() {
+    let (preset, foliage) = in_leaf(1).next().expect("a preset");
+    let tree = tree(preset, 2_000);
+    let leaves = foliage.place(&tree, 1).expect("leaves");
+    let asset = small(preset, foliage).with_triangles(None).build(&tree, 1).expect("an asset");
+    let bark = Tubes::default().mesh(&tree).expect("bark");
+    assert_eq!((asset.bark(), asset.leaves(), asset.cards()), (&bark, leaves.instances.len(), 0));
+    assert_eq!(asset.triangles() as u64, bark.triangles().len() as u64 + leaves.part().triangles());
+}
+
+#[test]
+fn levels_are_smaller_and_nested_and_look_alike() {
+    let mut worst = [0.0f32; 2];
+    for (preset, foliage) in in_leaf(11) {
+        let tree = tree(preset, 4_000);
+        let builder = small(preset, foliage);
+        let dense = builder.clone().with_triangles(None).build(&tree, 1).expect(preset.name);
+        let height = dense.bark().bounds().expect("bark").size().y;
+        let levels = builder.with_texture_size(512).levels(&tree, 1, &[1.0, 0.3, 0.08]).expect(preset.name);
+        assert_eq!(levels.len(), 3, "{}", preset.name);
+        for (level, share) in levels.iter().zip([1.0, 0.3, 0.08]) {
+            assert!(level.triangles() <= (share * 10_000.0) as usize, "{}", preset.name);
+            check(level, preset.name);
+            let pixels = level.pixels(height).clamp(48.0, 240.0) as u32;
+            let like = Likeness::of(&level.parts(), &dense.parts(), pixels).expect(preset.name);
+            println!("{} {} triangles at {pixels} pixels: {like:?}", preset.name, level.triangles());
+            worst = [worst[0].max(like.cover.abs()), worst[1].max(like.color)];
+        }
+        for pair in levels.windows(2) {
+            assert!(pair[1].triangles() < pair[0].triangles() && pair[1].error() >= pair[0].error());
+            assert!(pair[1].cards() < pair[0].cards() + pair[0].leaves());
+            // A card stands where one of the finer level's stands.
+            let nodes = |asset: &Asset| -> Vec<u32> {
+                let parts = asset.parts();
+                let copies = parts.iter().filter(|part| part.name() == "cards").flat_map(Part::copies);
+                let mut nodes: Vec<u32> = copies.map(|copy| copy.node).collect();
+                nodes.sort_unstable();
+                nodes
+            };
+            let (finer, coarser) = (nodes(&pair[0]), nodes(&pair[1]));
+            if pair[0].leaves() == 0 {
+                let lost = coarser.iter().filter(|node| !bears(&tree, **node, &finer)).count();
+                assert_eq!(lost, 0, "{}: cards that stand for none of the finer level's", preset.name);
+            }
+        }
+    }
+    assert!(worst[0] < 0.10 && worst[1] < 2.5, "cover and colour are off by {worst:?}");
+}
+
+/// Whether one of these nodes is `node` or above it.
+fn bears(tree: &Skeleton, node: u32, nodes: &[u32]) -> bool {
+    nodes.iter().any(|&other| {
+        let mut at = Some(other as usize);
+        while let Some(here) = at.filter(|here| *here > node as usize) {
+            at = tree.parent(here);
+        }
+        at == Some(node as usize)
+    })
+}
+
+#[test]
+fn impostors_hide_as_much_as_the_tree() {
+    let (preset, foliage) = in_leaf(1).nth(3).expect("a preset");
+    let tree = tree(preset, 4_000);
+    let dense = small(preset, foliage).with_triangles(None).build(&tree, 1).expect("an asset");
+    let far =
+        Impostor::default().with_texture_size(256).with_lying(true).billboards(&dense.parts()).expect("far");
+    assert_eq!(far.triangles(), 8);
+    check(&far, "impostor");
+    let like = Likeness::of(&far.parts(), &dense.parts(), 64).expect("both are seen");
+    assert!(like.cover.abs() < 0.1 && like.color < 4.0, "{like:?}");
+    let all_around = Impostor::default().with_texture_size(256).octahedral(&dense.parts()).expect("views");
+    assert_eq!(
+        (all_around.color.width(), all_around.normal.width(), all_around.depth.channels()),
+        (256, 256, 1)
+    );
+    let json: serde_json::Value = serde_json::from_str(&all_around.json()).expect("JSON");
+    assert_eq!(json["grid"], 8);
+    assert!((json["radius"].as_f64().expect("a number") - f64::from(all_around.radius)).abs() < 1e-4);
+    // Something is seen from everywhere.
+    for cell in 0..64 {
+        let pixels = (0..32 * 32).map(|i| (cell % 8 * 32 + i % 32, cell / 8 * 32 + i / 32));
+        let covered = pixels.filter(|(x, y)| all_around.color.pixel(*x, *y)[3] > 0).count();
+        assert!(covered > 50, "view {cell} is empty");
+    }
+}
+
+#[test]
+fn the_same_at_every_thread_count() {
+    let (preset, foliage) = in_leaf(1).next().expect("a preset");
+    let tree = tree(preset, 2_000);
+    let builder = small(preset, foliage.with_tint_variation(0.3)).with_triangles(Some(1_500));
+    let made = |threads| {
+        let pool =
+            rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("threads can be started");
+        pool.install(|| {
+            let asset = builder.build(&tree, 1).expect("an asset");
+            let far = Impostor::default().with_texture_size(128).with_grid(2).octahedral(&asset.parts());
+            (asset, far.expect("views"))
+        })
+    };
+    let one = made(1);
+    assert!(made(2) == one && made(5) == one);
+}
+
+#[test]
+fn bad_input_is_named_or_does_what_it_can() {
+    let pole = Skeleton::new(vec![Vec3::ZERO, Vec3::Y], vec![None, Some(0)]).expect("sound");
+    let thick = pole.clone().with_radii(vec![0.05; 2]).expect("sound");
+    let oak = || Foliage::new(Leaf::sinuate()).with_thickest(0.1);
+    let builder = AssetBuilder::default().with_texture_size(128).with_leaf_size(Some(32));
+    // A tree without leaves has bark only, within the budget.
+    let bare = builder.clone().with_triangles(Some(40)).build(&thick, 1).expect("bark");
+    assert!(bare.cards() == 0 && bare.leaves() == 0 && (1..=40).contains(&bare.triangles()));
+    // Too small for the trunk: the least that would do, does.
+    let tiny =
+        |triangles, builder: &AssetBuilder| builder.clone().with_triangles(Some(triangles)).build(&thick, 1);
+    let leafy = builder.clone().with_foliage(oak());
+    for builder in [&builder, &leafy] {
+        let Err(AssetError::TooFewTriangles { least, .. }) = tiny(2, builder) else {
+            panic!("no trunk has 2 triangles")
+        };
+        assert!(tiny(least - 1, builder).is_err());
+        assert!(tiny(least, builder).expect("the least").triangles() <= least);
+    }
+    assert!(matches!(Tubes::default().within(&thick, 2), Err(SurfaceError::TooFewTriangles { .. })));
+    // Radii of zero: no bark and no foliage, but leaves of one's own.
+    assert!(builder.build(&pole, 1).is_err() && leafy.build(&pole, 1).is_err());
+    let mut one: Leaves = oak().place(&thick, 1).expect("leaves");
+    one.instances.truncate(1);
+    let crown = builder
+        .clone()
+        .with_triangles(Some(1_000))
+        .build_with(&pole, std::slice::from_ref(&one))
+        .expect("one leaf");
+    assert_eq!((crown.leaves(), crown.triangles()), (1, 20));
+    let card = builder
+        .clone()
+        .with_triangles(Some(19))
+        .build_with(&pole, std::slice::from_ref(&one))
+        .expect("one card");
+    assert_eq!((card.cards(), card.triangles()), (1, 4));
+    check(&card, "a crown of one leaf");
+    one.instances[0] = Instance { node: 7, ..one.instances[0] };
+    let error = builder.build_with(&thick, &[one]).expect_err("no such node").to_string();
+    assert!(error.contains("Instance.node"), "{error}");
+    for side in [0, 1, 100, 64, 16_384] {
+        let error = builder.clone().with_texture_size(side).build(&thick, 1).expect_err("a side").to_string();
+        assert!(error.contains("texture_size") && error.contains("power of two"), "{error}");
+        assert!(Impostor::default().with_texture_size(side).billboards(&bare.parts()).is_err());
+    }
+    for wrong in [
+        builder.clone().with_kinds(0),
+        builder.clone().with_kinds(17),
+        builder.clone().with_bark_share(f32::NAN),
+        builder.clone().with_bark_textures(Textures::default().with_alpha_cutoff(2.0)),
+        leafy.clone().with_leaf_size(Some(33)),
+        builder.clone().with_foliage(oak().with_tint_variation(1.0)),
+    ] {
+        let error = wrong.build(&thick, 1).expect_err("out of range").to_string();
+        assert!(error.contains("must be"), "{error}");
+    }
+    for shares in [&[][..], &[0.0], &[0.3, 0.3], &[1.1], &[f32::NAN]] {
+        assert!(matches!(builder.levels(&thick, 1, shares), Err(AssetError::Parameter(_))), "{shares:?}");
+    }
+    assert!(matches!(Likeness::of(&[], &[], 64), Err(AssetError::Nothing)));
+    assert!(matches!(Impostor::default().octahedral(&[]), Err(AssetError::Nothing)));
+    assert!(
+        LeafImages::of(&Leaf::ovate(), 0, 64, 1).is_err()
+            && LeafImages::of(&Leaf::ovate(), 1, 48, 1).is_err()
+    );
+}
