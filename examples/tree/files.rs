@@ -3,7 +3,7 @@
 use super::common::{Failure, Outputs};
 use super::options::Options;
 use treesynth::Skeleton;
-use treesynth::export::{self, Axes, GlbOptions, Instancing, PlyFormat, SvgOptions};
+use treesynth::export::{self, Axes, GlbOptions, Instancing, LevelNodes, PlyFormat, SvgOptions};
 use treesynth::presets::Preset;
 use treesynth::preview::Preview;
 use treesynth::surface::Part;
@@ -20,13 +20,17 @@ pub(crate) fn write(
     preset: &Preset,
     skeleton: &Skeleton,
     levels: &[Vec<Part<'_>>],
+    coverages: &[f32],
 ) -> Result<(), Failure> {
     let parts = &levels[0];
     let file = |extension: &str| format!("{}.{extension}", preset.name);
     let axes = Axes::default().with_up(options.up).with_unit(options.unit);
     let path = outputs.path(&file(format));
     outputs.write(&path, |writer| {
-        let glb = GlbOptions::default().with_name(preset.name);
+        let glb = GlbOptions::default()
+            .with_name(preset.name)
+            .with_coverages(coverages)
+            .with_levels(if options.named { LevelNodes::Named } else { LevelNodes::Extension });
         match format {
             "glb" => export::write_glb_levels(levels, &glb, writer)?,
             "nodes.glb" => {

@@ -1,43 +1,86 @@
-//! The tree in levels of detail, each of at most half the triangles of the one before.
+//! The tree as it is written: within a budget of triangles, in levels of detail, in its bark.
 
 use super::common::Failure;
 use super::options::{Options, Surface};
 use treesynth::Skeleton;
-use treesynth::foliage::Leaves;
-use treesynth::surface::{Implicit, Instance, Levels, Mesh, Part, Tubes};
+use treesynth::asset::{Asset, AssetBuilder, Impostor};
+use treesynth::foliage::{Foliage, Leaves};
+use treesynth::presets::Preset;
+use treesynth::surface::{Implicit, Material, Mesh, Part, Sway, Tubes};
 
-/// 2^32 over the golden ratio: multiples of it leave any share of a row evenly spread.
-const SPREAD: u32 = 0x9e37_79b9;
+/// Triangles of each level over those of the one before.
+const SHARE: f32 = 0.3;
+/// Lines of a screen, for which a level's size is told in parts of its height.
+const LINES: f32 = 1080.0;
 
-/// The bark of each level, finest first.
-pub(crate) fn barks(options: &Options, skeleton: &Skeleton) -> Result<Vec<Mesh>, Failure> {
-    Ok(match options.surface {
-        Surface::Tubes if options.levels > 1 => {
-            let levels = Levels::default().with_count(options.levels).of(skeleton)?;
-            levels.into_iter().map(|level| level.mesh).collect()
-        }
-        Surface::Tubes => vec![Tubes::default().mesh(skeleton)?],
-        Surface::Implicit => vec![Implicit::default().with_detail(options.detail).mesh(skeleton)?],
-    })
+/// What is written.
+pub(crate) enum Model {
+    /// The finest first; if there are several, the last is an impostor.
+    Levels(Vec<Asset>),
+    /// One closed mesh, and leaves.
+    Closed(Mesh, Option<Leaves>),
 }
 
-/// The leaves of the level after so many others: half as many a level, each of twice the area, so that the crown stays
-/// as dense (Cook et al. 2007). Those of a level are among those of the level before.
-pub(crate) fn thinned(leaves: &Leaves, level: usize) -> Vec<Instance> {
-    let mut order: Vec<usize> = (0..leaves.instances.len()).collect();
-    if level > 0 {
-        order.sort_by_key(|&leaf| (leaf as u32).wrapping_mul(SPREAD));
-        order.truncate(leaves.instances.len() >> level);
-        order.sort_unstable();
+impl Model {
+    pub(crate) fn new(
+        options: &Options,
+        preset: &Preset,
+        skeleton: &Skeleton,
+        seed: u64,
+    ) -> Result<Self, Failure> {
+        let leaves = preset
+            .foliage(options.season)
+            .map(|foliage: Foliage| foliage.place(skeleton, seed))
+            .transpose()?;
+        if let Surface::Implicit = options.surface {
+            return Ok(Self::Closed(Implicit::default().with_detail(options.detail).mesh(skeleton)?, leaves));
+        }
+        let tubes = Tubes::default().with_square_tiles(true).with_wind(options.wind);
+        let mut builder = AssetBuilder::default()
+            .with_triangles(options.budget)
+            .with_bark(preset.bark())
+            .with_leaf_size(options.textures.map(|side| (side / 4).clamp(32, 2048)))
+            .with_texture_size(options.textures.unwrap_or(512).max(128))
+            .with_tubes(tubes.clone());
+        if let Some(side) = options.textures {
+            let bark = preset.bark_texture().with_seed(seed).with_resolution(side).bake()?;
+            builder = builder
+                .with_bark(Material::white().with_roughness(1.0))
+                .with_bark_textures(bark.textures)
+                .with_tubes(tubes.with_tile(bark.size));
+        }
+        let shares: Vec<f32> = (0..options.levels as i32).map(|level| SHARE.powi(level)).collect();
+        let mut levels = builder.levels_with(skeleton, leaves.as_slice(), &shares)?;
+        if options.levels > 1 {
+            let side = options.textures.unwrap_or(512).clamp(128, 512);
+            levels.push(Impostor::default().with_texture_size(side).billboards(&levels[0].parts())?);
+        }
+        if options.wind {
+            let sway = Sway::of(skeleton)?;
+            levels = levels.iter().map(|level| level.in_wind(&sway)).collect::<Result<_, _>>()?;
+        }
+        Ok(Self::Levels(levels))
     }
-    let larger = ((1u32 << level) as f32).sqrt();
-    order
-        .into_iter()
-        .map(|leaf| {
-            let instance = leaves.instances[leaf];
-            Instance { scale: instance.scale * larger, ..instance }
-        })
-        .collect()
+
+    /// The parts of each level.
+    pub(crate) fn levels(&self, preset: &Preset) -> Vec<Vec<Part<'_>>> {
+        match self {
+            Self::Levels(levels) => levels.iter().map(Asset::parts).collect(),
+            Self::Closed(mesh, leaves) => {
+                let bark = Part::new(mesh).with_material(preset.bark());
+                vec![[bark].into_iter().chain(leaves.iter().map(Leaves::part)).collect()]
+            }
+        }
+    }
+
+    /// Down to which part of the screen's height each level of a tree of this height is shown, if they can be told apart.
+    pub(crate) fn coverages(&self, height: f32) -> Vec<f32> {
+        let Self::Levels(levels) = self else { return Vec::new() };
+        let next = levels.iter().skip(1).map(|level| (level.pixels(height) / LINES).min(1.0));
+        let coverages: Vec<f32> = next.chain([0.0]).collect();
+        let falling = coverages.is_sorted_by(|a, b| a > b);
+        if falling && levels.len() > 1 { coverages } else { Vec::new() }
+    }
 }
 
 /// Triangles of a level, all copies counted.

@@ -11,10 +11,10 @@ mod stats;
 mod watch;
 
 use common::{Failure, Outputs, print};
+use levels::Model;
 use options::Options;
 use std::time::Instant;
 use treesynth::guided::Search;
-use treesynth::surface::Part;
 use treesynth::{Metrics, presets};
 
 fn main() {
@@ -50,32 +50,22 @@ fn run(options: &Options) -> Result<(), Failure> {
 
     let skeleton = &growth.skeleton;
     let relaxed = skeleton.relaxed(0.5, 3)?;
-    let mut barks = Vec::new();
-    step("mesh", &mut || {
-        barks = levels::barks(options, &relaxed)?;
+    let mut model = None;
+    step("model", &mut || {
+        model = Some(Model::new(options, preset, &relaxed, seed)?);
         Ok(())
     })?;
-    let (mut leaves, mut instances) = (None, Vec::new());
-    step("leaves", &mut || {
-        let foliage = preset.foliage(options.season);
-        leaves = foliage.map(|foliage| foliage.place(&relaxed, seed)).transpose()?;
-        instances.extend(
-            leaves.iter().flat_map(|leaves| (0..barks.len()).map(|level| levels::thinned(leaves, level))),
-        );
-        Ok(())
-    })?;
-    let parts = |(level, bark): (usize, _)| {
-        let bark = Part::new(bark).with_material(preset.bark());
-        let leaves = leaves.as_ref().map(|leaves| leaves.part().with_instances(&instances[level]));
-        [bark].into_iter().chain(leaves).collect()
-    };
-    let levels: Vec<Vec<_>> = barks.iter().enumerate().map(parts).collect();
+    let Some(model) = model else { return Ok(()) };
+    let levels = model.levels(preset);
+    let metrics = Metrics::of(skeleton);
+    let coverages = model.coverages(metrics.height as f32);
     for format in &options.formats {
         let skeleton = if format == "relaxed.json" { &relaxed } else { skeleton };
-        step(format, &mut || files::write(format, &mut outputs, options, preset, skeleton, &levels))?;
+        step(format, &mut || {
+            files::write(format, &mut outputs, options, preset, skeleton, &levels, &coverages)
+        })?;
     }
 
-    let metrics = Metrics::of(skeleton);
     let endpoints: Vec<usize> = growth.endpoints.iter().map(Vec::len).collect();
     if let Some(path) = &options.stats {
         let stats = stats::stats(preset.name, seed, &graph, skeleton, &endpoints, &steps, &metrics, &levels)?;
@@ -84,13 +74,12 @@ fn run(options: &Options) -> Result<(), Failure> {
     outputs.finish()?;
     let milliseconds: f64 = steps.iter().map(|(_, time)| time.as_secs_f64() * 1e3).sum();
     print([format!(
-        "{}, seed {seed}: {} nodes, {} endpoints, {} segments, {} tips, {} leaves, {} triangles, {:.1} m tall, {:.1} m wide, {milliseconds:.0} ms -> {}",
+        "{}, seed {seed}: {} nodes, {} endpoints, {} segments, {} tips, {} triangles, {:.1} m tall, {:.1} m wide, {milliseconds:.0} ms -> {}",
         preset.name,
         graph.nodes(),
         endpoints.iter().sum::<usize>(),
         skeleton.segments(),
         metrics.tips,
-        leaves.as_ref().map_or(0, |leaves| leaves.instances.len()),
         levels.iter().map(|level| levels::triangles(level).to_string()).collect::<Vec<_>>().join(" / "),
         metrics.height,
         metrics.crown_width,

@@ -19,9 +19,15 @@ cargo run --release --example tree -- [OPTIONS]
   --season TIME   winter (no leaves), summer or autumn         [summer]
   --surface KIND  tubes, with collars, or implicit: one closed mesh  [tubes]
   --detail N      voxels a radius of the closed mesh, 0.867 to 64    [1]
-  --levels N      levels of detail in the .glb (MSFT_lod), 1 to 8, of at most
-                  half the triangles each; the finest is what else is written.
-                  For tubes; more than one start at an error of 1 mm  [1]
+  --budget N      triangles of bark, leaves and cards together, 100 to 100000000,
+                  or none: the dense model                     [20000]
+  --levels N      levels of detail in the .glb, 1 to 8, each of 0.3 of the
+                  triangles of the one before; several are followed by an
+                  impostor. The finest is what else is written  [3]
+  --lod-names     levels as nodes named NAME_LOD0 and so on, not by MSFT_lod
+  --textures N    side of the bark's images, pixels: a power of two, 128 to
+                  8192, or none                                [512]
+  --wind          vertices move in the wind: attributes, see docs/wind.md
   --format LIST   of glb, nodes.glb (leaves as nodes, for what knows no
                   instances), obj, ply, stl, svg, png, json, relaxed.json
                   (the skeleton of the surface)                [glb,png,json]
@@ -49,7 +55,11 @@ pub(crate) struct Options {
     pub(crate) season: Season,
     pub(crate) surface: Surface,
     pub(crate) detail: f32,
+    pub(crate) budget: Option<usize>,
     pub(crate) levels: u32,
+    pub(crate) named: bool,
+    pub(crate) textures: Option<u32>,
+    pub(crate) wind: bool,
     pub(crate) formats: Vec<String>,
     pub(crate) up: UpAxis,
     pub(crate) unit: f32,
@@ -68,7 +78,11 @@ impl Options {
             season: Season::Summer,
             surface: Surface::Tubes,
             detail: 1.0,
-            levels: 1,
+            budget: Some(20_000),
+            levels: 3,
+            named: false,
+            textures: Some(512),
+            wind: false,
             formats: ["glb", "png", "json"].map(String::from).to_vec(),
             up: UpAxis::Y,
             unit: 1.0,
@@ -76,6 +90,7 @@ impl Options {
             out: "out".into(),
             stats: None,
         };
+        let mut asked = Vec::new();
         let mut arguments = lexopt::Parser::from_env();
         while let Some(argument) = arguments.next()? {
             match argument {
@@ -90,7 +105,31 @@ impl Options {
                 Long("detail") => {
                     options.detail = number(&mut arguments, "--detail", 0.867..=64.0, "voxels a radius")?;
                 }
-                Long("levels") => options.levels = number(&mut arguments, "--levels", 1..=8, "levels")?,
+                Long("budget") => {
+                    options.budget = or_none(&text(&mut arguments, "--budget")?, "--budget", |text| {
+                        text.parse().ok().filter(|triangles| (100..=100_000_000).contains(triangles))
+                    })
+                    .map_err(|error| format!("{error} 100 to 100000000 triangles or none"))?;
+                    asked.push("--budget");
+                }
+                Long("levels") => {
+                    options.levels = number(&mut arguments, "--levels", 1..=8, "levels")?;
+                    asked.push("--levels");
+                }
+                Long("lod-names") => options.named = true,
+                Long("textures") => {
+                    options.textures = or_none(&text(&mut arguments, "--textures")?, "--textures", |text| {
+                        text.parse()
+                            .ok()
+                            .filter(|side: &u32| side.is_power_of_two() && (128..=8192).contains(side))
+                    })
+                    .map_err(|error| format!("{error} a power of two, 128 to 8192 pixels, or none"))?;
+                    asked.push("--textures");
+                }
+                Long("wind") => {
+                    options.wind = true;
+                    asked.push("--wind");
+                }
                 Long("format") => {
                     options.formats =
                         text(&mut arguments, "--format")?.split(',').map(String::from).collect();
@@ -117,11 +156,18 @@ impl Options {
                 other => return Err(other.unexpected().into()),
             }
         }
-        if options.levels > 1 && matches!(options.surface, Surface::Implicit) {
-            let levels = options.levels;
-            return Err(format!("--levels is {levels}, but must be 1 with --surface implicit").into());
+        if let (Surface::Implicit, Some(option)) = (options.surface, asked.first()) {
+            return Err(format!("{option} goes with --surface tubes alone, not with implicit").into());
         }
         Ok(Some(options))
+    }
+}
+
+/// A number, or nothing by the word `none`; an error names the option and what it is.
+fn or_none<T>(text: &str, option: &str, number: impl Fn(&str) -> Option<T>) -> Result<Option<T>, String> {
+    match text {
+        "none" => Ok(None),
+        _ => number(text).map(Some).ok_or_else(|| format!("{option} is {text:?}, but must be")),
     }
 }
 

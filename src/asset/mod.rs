@@ -11,6 +11,7 @@ mod levels;
 mod measure;
 mod mips;
 mod skin;
+mod wind;
 
 pub use builder::AssetBuilder;
 pub use impostor::{Impostor, Octahedral};

@@ -51,6 +51,12 @@ impl Grown {
         self.look.bark()
     }
 
+    /// Its bark as images, as [`Preset::bark_texture`](super::Preset::bark_texture).
+    #[cfg(feature = "texture")]
+    pub fn bark_texture(&self) -> crate::texture::Bark {
+        self.look.bark_texture()
+    }
+
     /// The leaves that hang on a tree, a value a colour.
     pub fn leaves(&self, tree: &TreeAtAge) -> Vec<Leaves> {
         Leaves::grown(tree, &(self.leaf)())

@@ -3,6 +3,8 @@
 
 use crate::foliage::{Arrangement, Foliage, Leaf};
 use crate::surface::Material;
+#[cfg(feature = "texture")]
+use crate::texture::Bark;
 
 /// A time of the year.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -21,6 +23,9 @@ pub enum Season {
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Look {
     bark: [u8; 3],
+    /// What the bark does as it ages.
+    #[cfg(feature = "texture")]
+    texture: fn() -> Bark,
     summer: [u8; 3],
     autumn: [u8; 3],
     leaves: Option<fn() -> Foliage>,
@@ -29,6 +34,11 @@ pub(super) struct Look {
 impl Look {
     pub(super) fn bark(&self) -> Material {
         Material::bark().with_srgb(self.bark)
+    }
+
+    #[cfg(feature = "texture")]
+    pub(super) fn bark_texture(&self) -> Bark {
+        (self.texture)().with_color(self.bark)
     }
 
     pub(super) fn foliage(&self, season: Season) -> Option<Foliage> {
@@ -42,10 +52,19 @@ impl Look {
 }
 
 /// A dead tree, or a drawing.
-pub(super) const BARE: Look = Look { bark: [112, 96, 83], summer: [0; 3], autumn: [0; 3], leaves: None };
+pub(super) const BARE: Look = Look {
+    bark: [112, 96, 83],
+    #[cfg(feature = "texture")]
+    texture: Bark::oak,
+    summer: [0; 3],
+    autumn: [0; 3],
+    leaves: None,
+};
 
 pub(super) const ASH: Look = Look {
     bark: [116, 107, 96],
+    #[cfg(feature = "texture")]
+    texture: Bark::ash,
     summer: [84, 124, 54],
     autumn: [200, 176, 70],
     leaves: Some(|| {
@@ -59,6 +78,8 @@ pub(super) const ASH: Look = Look {
 
 pub(super) const ELM: Look = Look {
     bark: [98, 84, 71],
+    #[cfg(feature = "texture")]
+    texture: Bark::ash,
     summer: [78, 112, 46],
     autumn: [206, 168, 58],
     leaves: Some(|| {
@@ -69,6 +90,8 @@ pub(super) const ELM: Look = Look {
 /// For trees that organize themselves, whose metamers are some 10 cm long.
 pub(super) const HORNBEAM: Look = Look {
     bark: [112, 104, 94],
+    #[cfg(feature = "texture")]
+    texture: Bark::beech,
     summer: [82, 120, 46],
     autumn: [208, 172, 62],
     leaves: Some(|| {
@@ -78,6 +101,8 @@ pub(super) const HORNBEAM: Look = Look {
 
 pub(super) const LINDEN: Look = Look {
     bark: [104, 94, 82],
+    #[cfg(feature = "texture")]
+    texture: Bark::ash,
     summer: [88, 126, 52],
     autumn: [214, 184, 72],
     leaves: Some(|| {
@@ -87,6 +112,8 @@ pub(super) const LINDEN: Look = Look {
 
 pub(super) const OAK: Look = Look {
     bark: [92, 80, 67],
+    #[cfg(feature = "texture")]
+    texture: Bark::oak,
     summer: [74, 106, 44],
     autumn: [158, 104, 48],
     leaves: Some(|| {
@@ -100,6 +127,8 @@ pub(super) const OAK: Look = Look {
 
 pub(super) const MAPLE: Look = Look {
     bark: [106, 94, 82],
+    #[cfg(feature = "texture")]
+    texture: Bark::ash,
     summer: [84, 120, 48],
     autumn: [206, 92, 42],
     leaves: Some(|| {
@@ -112,6 +141,8 @@ pub(super) const MAPLE: Look = Look {
 
 pub(super) const CHESTNUT: Look = Look {
     bark: [98, 84, 72],
+    #[cfg(feature = "texture")]
+    texture: Bark::pine,
     summer: [72, 108, 44],
     autumn: [186, 122, 56],
     leaves: Some(|| {
@@ -125,6 +156,8 @@ pub(super) const CHESTNUT: Look = Look {
 
 pub(super) const WILLOW: Look = Look {
     bark: [108, 97, 76],
+    #[cfg(feature = "texture")]
+    texture: Bark::oak,
     summer: [118, 142, 78],
     autumn: [208, 190, 90],
     leaves: Some(|| {
@@ -141,6 +174,8 @@ pub(super) const WILLOW: Look = Look {
 /// The bark is as light as it may be and still stand out from white paper in full sun.
 pub(super) const BIRCH: Look = Look {
     bark: [142, 138, 132],
+    #[cfg(feature = "texture")]
+    texture: Bark::birch,
     summer: [104, 140, 60],
     autumn: [222, 190, 70],
     leaves: Some(|| {
@@ -155,6 +190,8 @@ pub(super) const BIRCH: Look = Look {
 
 pub(super) const POPLAR: Look = Look {
     bark: [138, 130, 114],
+    #[cfg(feature = "texture")]
+    texture: Bark::oak,
     summer: [102, 134, 62],
     autumn: [220, 184, 60],
     leaves: Some(|| {
@@ -169,6 +206,8 @@ pub(super) const POPLAR: Look = Look {
 
 pub(super) const HAZEL: Look = Look {
     bark: [122, 104, 84],
+    #[cfg(feature = "texture")]
+    texture: Bark::beech,
     summer: [96, 130, 56],
     autumn: [212, 178, 74],
     leaves: Some(|| {
@@ -178,6 +217,8 @@ pub(super) const HAZEL: Look = Look {
 
 pub(super) const SPRUCE: Look = Look {
     bark: [98, 76, 62],
+    #[cfg(feature = "texture")]
+    texture: Bark::pine,
     summer: [50, 78, 46],
     autumn: [50, 78, 46],
     leaves: Some(|| {

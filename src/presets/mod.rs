@@ -126,6 +126,12 @@ impl Preset {
         self.look.bark()
     }
 
+    /// Its bark as images, in the mean the [colour](Self::bark) it has without them; they go with [`Material::white`] of roughness 1.
+    #[cfg(feature = "texture")]
+    pub fn bark_texture(&self) -> crate::texture::Bark {
+        self.look.bark_texture()
+    }
+
     /// Its leaves; `None` in winter, and of what has none all the year.
     ///
     /// ```
