@@ -107,7 +107,7 @@ fn levels_are_smaller_and_nested_and_look_alike() {
             }
         }
     }
-    assert!(worst[0] < 0.10 && worst[1] < 2.5, "cover and colour are off by {worst:?}");
+    assert!(worst[0] < 0.03 && worst[1] < 2.0, "cover and colour are off by {worst:?}");
 }
 
 /// Whether one of these nodes is `node` or above it.

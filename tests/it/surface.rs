@@ -40,7 +40,9 @@ fn levels_halve_and_look_alike() {
         let off = (bounds.min - theirs.min).abs().max((bounds.max - theirs.max).abs()).max_element();
         assert!(off <= 8.0 * level.error, "{off} m off at an error of {} m", level.error);
         let ratio = coverage(level, bounds) / covered;
-        assert!((0.8..1.25).contains(&ratio), "{ratio} of the silhouette at an error of {} m", level.error);
+        // Limbs may not swell to make up for what is too thin, so that a bare crown gets lighter at last.
+        let least = if level.error < 0.1 { 0.8 } else { 0.6 };
+        assert!((least..1.25).contains(&ratio), "{ratio} of the silhouette at an error of {} m", level.error);
     }
     for pair in levels.windows(2) {
         assert!(pair[1].mesh.triangles().len() * 2 <= pair[0].mesh.triangles().len());
