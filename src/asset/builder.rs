@@ -119,6 +119,14 @@ impl AssetBuilder {
         self
     }
 
+    /// The bark in the mean colour of its images, for twigs on cards.
+    fn bark_without_images(&self) -> Material {
+        let image = self.bark_textures.as_ref().and_then(|textures| textures.base_color());
+        let mean = image.map_or([1.0; 3], Image::mean_color);
+        let own = self.bark.color();
+        self.bark.with_color([own[0] * mean[0], own[1] * mean[1], own[2] * mean[2]])
+    }
+
     /// The asset of a tree, its leaves placed with this seed.
     ///
     /// # Errors
@@ -290,7 +298,7 @@ impl<'a> Tree<'a> {
             skeleton: self.skeleton,
             dresses: &self.dresses,
             all: &self.all,
-            bark: self.builder.bark,
+            bark: self.builder.bark_without_images(),
             bare: &bare,
             cluster_of: &cluster_of,
         };

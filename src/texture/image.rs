@@ -1,7 +1,7 @@
 //! Pixels with one to four channels.
 
 use super::TextureError;
-use crate::ParameterError;
+use crate::{ParameterError, math};
 use std::io::{self, BufRead, Seek, Write};
 
 /// An image with 8 bits a channel: 1 channel (grey), 3 (red, green, blue) or 4 (red, green, blue, alpha). Rows from the top,
@@ -78,6 +78,18 @@ impl Image {
         let channels = usize::from(self.channels);
         let index = (y % self.height) as usize * self.width as usize + (x % self.width) as usize;
         &self.bytes[index * channels..(index + 1) * channels]
+    }
+
+    /// The mean of all pixels as linear red, green and blue, each 0 to 1, if the numbers are sRGB; alpha does not count. O(pixels).
+    pub fn mean_color(&self) -> [f32; 3] {
+        let tones: Vec<f64> = (0..256u16).map(|tone| math::linear(f32::from(tone) / 255.0).into()).collect();
+        let mut sums = [0.0; 3];
+        for pixel in self.bytes.chunks_exact(usize::from(self.channels)) {
+            for (i, sum) in sums.iter_mut().enumerate() {
+                *sum += tones[usize::from(pixel[if self.channels == 1 { 0 } else { i }])];
+            }
+        }
+        sums.map(|sum| (sum / (f64::from(self.width) * f64::from(self.height))) as f32)
     }
 
     /// The image as the bytes of a PNG file. The same bytes on every platform, for one version of the `png` crate.
@@ -163,6 +175,13 @@ mod tests {
             let image = Image::new(5, 3, channels, bytes).expect("sizes are right");
             assert_eq!(Image::read_png(Cursor::new(image.png())).expect("a PNG"), image);
         }
+    }
+
+    #[test]
+    fn means_are_linear() {
+        let image = Image::new(2, 1, 4, vec![255, 0, 118, 0, 0, 0, 118, 255]).expect("sizes are right");
+        let [red, green, blue] = image.mean_color();
+        assert!((red - 0.5).abs() < 1e-6 && green == 0.0 && (blue - 0.18).abs() < 2e-3);
     }
 
     #[test]
