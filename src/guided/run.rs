@@ -46,7 +46,7 @@ impl Search<'_> {
             self.wanted.iter().map(|bits| bits.count_ones()).sum::<u32>()
         });
         let ground = self.graph.clone();
-        let mut ahead = Ahead::default();
+        let mut ahead = Ahead::new();
         let mut count = 0;
         loop {
             if ahead.first > 0 && self.queue.opened().len() == ahead.first {
@@ -267,7 +267,7 @@ const AHEAD: usize = 64;
 /// One by one, each node would wait for the vector and the weights of the one before, for whether an edge is a better
 /// way cannot be foretold; here they overlap. Rules and weights hang on nothing that settling the nodes could change but
 /// the way to the node itself, and where a better one is found, the node comes again as one that is late.
-#[derive(Debug, Default)]
+#[derive(Debug)]
 struct Ahead {
     /// The place in the open bucket of the first node that is worked out; they are from there on.
     first: usize,
@@ -279,6 +279,17 @@ struct Ahead {
 }
 
 impl Ahead {
+    /// With room for nodes of sixteen edges, so that there is one allocation an array and not one a doubling.
+    fn new() -> Self {
+        Self {
+            first: 0,
+            guides: Vec::with_capacity(AHEAD),
+            ends: Vec::with_capacity(16 * AHEAD),
+            weights: Vec::with_capacity(16 * AHEAD),
+            starts: Vec::with_capacity(AHEAD + 1),
+        }
+    }
+
     /// The last nodes of the open bucket. What no search can go on with is left to when the node is settled.
     fn work_out(&mut self, search: &Search<'_>, graph: &Graph, terms: &Terms<'_>) {
         let opened = search.queue.opened();
