@@ -39,6 +39,8 @@ impl Purpose {
     pub const AZIMUTH: Self = Self(41);
     /// How a tree that grows by positional information differs from the next: directions, lifespans, falling leaves.
     pub const GROWTH: Self = Self(48);
+    /// What distinguishes trees of one species, and the branches of each.
+    pub const SPECIES: Self = Self(64);
     /// The first purpose that the crate itself never uses.
     pub const CUSTOM: Self = Self(1 << 16);
 }
