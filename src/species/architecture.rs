@@ -99,10 +99,11 @@ impl Growing<'_> {
             })
             .collect();
         let turned = draw.unit() * TAU;
-        let start = if number == 0 { 0.0 } else { 0.02 * plan.height * draw.within([0.2, 1.0]).min(0.3) };
+        let start = if number == 0 { 0.0 } else { 0.045 * plan.height * draw.within([0.25, 1.0]) };
         let place = |y: f32| {
-            // A stem that leans straightens on its way up.
-            let out = start + slope * y * (1.0 - 0.35 * y / height);
+            // A stem that leans straightens on its way up; one of several arches outwards.
+            let way = if number == 0 { 1.0 - 0.35 * y / height } else { 0.35 + 0.65 * y / height };
+            let out = start + slope * y * way;
             let (sin, cos) = math::sin_cos(azimuth);
             let mut place = Vec3::new(out * cos, y, out * sin);
             for (index, &(size, wave, phase)) in waves.iter().enumerate() {
@@ -377,7 +378,7 @@ impl Growing<'_> {
         let length = if draw.unit() < shoots.short {
             shoots.short_length * draw.factor(0.35)
         } else {
-            shoots.length * draw.factor(shoots.length_spread)
+            shoots.length * draw.factor(shoots.length_spread).min(4.0)
         };
         let order = self.wood.orders[node as usize] + 1;
         self.extend(node, direction.normalize_or(Vec3::Y), length, order, draw);

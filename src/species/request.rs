@@ -173,9 +173,9 @@ impl<'a> Request<'a> {
             self.spacing.map_or(0.0, |spacing| (1.0 - spacing * 1.05 / open_width).clamp(0.0, 0.9));
         let (mut dbh, mut height) = match (self.dbh, self.height) {
             (Some(dbh), Some(height)) => (dbh, height),
-            (Some(dbh), None) => (dbh, height_of(dbh) * (1.0 + 0.6 * crowding)),
-            (None, Some(height)) => (open * (1.0 - 0.42 * crowding), height),
-            (None, None) => (open * (1.0 - 0.35 * crowding), height_of(open)),
+            (Some(dbh), None) => (dbh, height_of(dbh) * (1.0 + 0.8 * crowding)),
+            (None, Some(height)) => (open * (1.0 - 0.8 * crowding), height),
+            (None, None) => (open * (1.0 - 0.5 * crowding), height_of(open)),
         };
         let [slowest, fastest] = size.slenderness;
         if let (Some(dbh), Some(height)) = (self.dbh, self.height) {

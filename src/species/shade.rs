@@ -7,6 +7,9 @@ use glam::Vec3;
 /// How much of a layer's shade reaches the next lower one.
 const THROUGH: f32 = 0.82;
 
+/// A limb needs this part of the usual number of shoots a metre.
+const STARVED: f32 = 0.25;
+
 /// The tree without the shadiest part of its shoots.
 pub(super) fn shed(wood: Wood, part: f32, mut draw: Draw) -> Wood {
     let shoots: Vec<usize> = bases(&wood);
@@ -37,6 +40,7 @@ pub(super) fn shed(wood: Wood, part: f32, mut draw: Draw) -> Wood {
             stays[wood.parents[node] as usize] = true;
         }
     }
+    starve(&wood, &mut stays);
     let mut number = vec![0u32; wood.positions.len()];
     let mut left = Wood::default();
     for node in 0..wood.positions.len() {
@@ -46,6 +50,35 @@ pub(super) fn shed(wood: Wood, part: f32, mut draw: Draw) -> Wood {
         }
     }
     left
+}
+
+/// Limbs that are left with few shoots for their length fall too: whips that no tree keeps.
+fn starve(wood: &Wood, stays: &mut [bool]) {
+    // Each node's limb, by the limb's first node.
+    let count = wood.positions.len();
+    let (mut limb, mut shoots, mut length) = (vec![0usize; count], vec![0.0f32; count], vec![0.0f32; count]);
+    for node in (1..count).filter(|&node| stays[node] && wood.ranks[node] != Rank::Stem) {
+        let parent = wood.parents[node] as usize;
+        limb[node] = if wood.ranks[parent] == Rank::Stem { node } else { limb[parent] };
+        match wood.ranks[node] {
+            Rank::Limb => length[limb[node]] += wood.positions[node].distance(wood.positions[parent]),
+            Rank::Shoot => shoots[limb[node]] += 1.0,
+            _ => {}
+        }
+    }
+    let bases: Vec<usize> = (1..count).filter(|&node| limb[node] == node && length[node] > 0.0).collect();
+    let mut dense: Vec<f32> = bases.iter().map(|&base| shoots[base] / length[base]).collect();
+    if dense.is_empty() {
+        return;
+    }
+    dense.sort_by(f32::total_cmp);
+    let least = STARVED * dense[dense.len() / 2];
+    for node in 1..count {
+        let base = limb[node];
+        if base > 0 && length[base] > 0.0 && shoots[base] / length[base] < least {
+            stays[node] = false;
+        }
+    }
 }
 
 /// The first node of each shoot.

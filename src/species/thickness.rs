@@ -132,10 +132,11 @@ fn stems(species: &Species, wood: &Wood, plan: &Numbers, radii: &mut [f32]) {
         // Further stems are thinner as they are shorter.
         let own = if main { 1.0 } else { math::powf(end / plan.height, 1.5) };
         let breast = plan.dbh * 0.5 * own;
-        let profile = profile(trunk.profile, end, tip / breast, y) * breast;
-        let flare = trunk.flare * math::exp(-y.max(0.0) / (1.4 * plan.dbh * own));
-        let at_breast = trunk.flare * math::exp(-BREAST.min(end) / (1.4 * plan.dbh * own));
-        let measured = profile * (1.0 + flare) / (1.0 + at_breast);
+        let flare = |y: f32| trunk.flare * math::exp(-y.max(0.0) / (1.4 * plan.dbh * own));
+        // The shares are of the diameter at breast height as it is measured, flare included.
+        let at_breast = 1.0 + flare(BREAST.min(end));
+        let shares = trunk.profile.map(|share| share * at_breast);
+        let measured = profile(shares, end, tip / breast, y) * breast * (1.0 + flare(y)) / at_breast;
         radii[node] = if main && trunk.leader < 1.0 && tops[0] > BREAST {
             // Over its upper part a trunk that divides comes down to what its limbs ask for.
             let way = ((y - BREAST) / (tops[0] - BREAST)).clamp(0.0, 1.0);
