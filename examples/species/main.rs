@@ -18,7 +18,7 @@ use common::{Failure, Outputs, number, print, text};
 use lexopt::prelude::*;
 use std::fs;
 use std::path::PathBuf;
-use treesynth::export::write_glb;
+use treesynth::export::{GlbOptions, write_glb_parts};
 use treesynth::species::{self, Request, Species, Specimen};
 use treesynth::surface::{Material, Part, Tubes};
 
@@ -37,12 +37,18 @@ Usage: species (--list | --species NAME | --file TEXT | --sheet | --table | --cl
   --seeds N           trees of each species for the table and the naming [20]
   --out DIR           [out]";
 
+/// What is done with all species.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Task {
+    List,
+    Sheet,
+    Table,
+    Classify,
+}
+
 #[derive(Default)]
 struct Options {
-    list: bool,
-    sheet: bool,
-    table: bool,
-    classify: bool,
+    task: Option<Task>,
     species: Option<String>,
     file: Option<PathBuf>,
     height: Option<f32>,
@@ -68,10 +74,10 @@ fn options() -> Result<Option<Options>, Failure> {
     let metres = 0.0..=1000.0;
     while let Some(argument) = arguments.next()? {
         match argument {
-            Long("list") => options.list = true,
-            Long("sheet") => options.sheet = true,
-            Long("table") => options.table = true,
-            Long("classify") => options.classify = true,
+            Long("list") => options.task = Some(Task::List),
+            Long("sheet") => options.task = Some(Task::Sheet),
+            Long("table") => options.task = Some(Task::Table),
+            Long("classify") => options.task = Some(Task::Classify),
             Long("species") => options.species = Some(text(&mut arguments, "--species")?),
             Long("file") => options.file = Some(text(&mut arguments, "--file")?.into()),
             Long("height") => options.height = Some(number(&mut arguments, "--height", metres.clone(), "m")?),
@@ -93,23 +99,29 @@ fn options() -> Result<Option<Options>, Failure> {
 }
 
 fn run(options: &Options) -> Result<(), Failure> {
-    if options.list {
-        print(
+    match options.task {
+        Some(Task::List) => print(
             species::all()
                 .iter()
                 .map(|species| format!("{:18} {:28} {}", species.name, species.latin, species.about)),
-        );
-    } else if options.table {
-        print(table::lines(options.seeds)?);
-    } else if options.classify {
-        print(classify::lines(options.seeds)?);
-    } else if options.sheet {
-        let mut outputs = Outputs::new("--out", &options.out)?;
-        let sheet = sheet::draw(options.seed)?;
-        let path = outputs.path("species.png");
-        outputs.write(&path, |writer| Ok(sheet.write_png(writer)?))?;
-        outputs.finish()?;
-    } else if let Some(path) = &options.file {
+        ),
+        Some(Task::Table) => print(table::lines(options.seeds)?),
+        Some(Task::Classify) => print(classify::lines(options.seeds)?),
+        Some(Task::Sheet) => {
+            let mut outputs = Outputs::new("--out", &options.out)?;
+            let sheet = sheet::draw(options.seed)?;
+            let path = outputs.path("species.png");
+            outputs.write(&path, |writer| Ok(sheet.write_png(writer)?))?;
+            outputs.finish()?;
+        }
+        None => grow(options)?,
+    }
+    Ok(())
+}
+
+/// One species, by its name or from a file.
+fn grow(options: &Options) -> Result<(), Failure> {
+    if let Some(path) = &options.file {
         let content = fs::read_to_string(path).map_err(|error| format!("{}: {error}", path.display()))?;
         let own = Species::parse(&content).map_err(|error| format!("{}: {error}", path.display()))?;
         one(&own, options)?;
@@ -144,7 +156,9 @@ fn one(species: &Species, options: &Options) -> Result<(), Failure> {
     let bark = tree.bark_mesh(&Tubes::default().with_root_flare(0.0))?;
     let parts = parts(&tree, &bark);
     let path = outputs.path(&format!("{name}.glb"));
-    outputs.write(&path, |writer| Ok(write_glb(&parts, writer)?))?;
+    outputs.write(&path, |writer| {
+        Ok(write_glb_parts(&parts, &GlbOptions::default().with_name(&name), writer)?)
+    })?;
     let picture = sheet::portrait(&parts)?;
     let path = outputs.path(&format!("{name}.png"));
     outputs.write(&path, |writer| Ok(picture.write_png(writer)?))?;

@@ -55,10 +55,10 @@ pub(crate) fn all(tree: &Specimen) -> [f64; COUNT] {
 /// What tells species apart beside these: length of the median leaf, length of shoots, height of the crown's base, limbs.
 pub(crate) fn more(tree: &Specimen) -> [f64; 4] {
     let leaves = tree.leaves.as_ref().map_or(&[][..], |leaves| &leaves.instances);
-    let sizes: Vec<f64> = leaves.iter().step_by(37).map(|leaf| f64::from(leaf.scale).ln()).collect();
+    let sizes: Vec<f64> = leaves.iter().step_by(37).map(|leaf| f64::from(math::ln(leaf.scale))).collect();
     let skeleton = &tree.skeleton;
     let mut shoots = Vec::new();
-    let mut limbs = 0;
+    let mut limbs = 0u32;
     for branch in skeleton.branches().iter() {
         let Some(&first) = branch.nodes().get(1) else { continue };
         match skeleton.stages()[first as usize] {
@@ -68,13 +68,13 @@ pub(crate) fn more(tree: &Specimen) -> [f64; 4] {
                     let [from, to] = [pair[0], pair[1]].map(|node| skeleton.positions()[node as usize]);
                     f64::from(from.distance(to))
                 });
-                shoots.push(way.sum::<f64>().max(1e-4).ln());
+                shoots.push(f64::from(math::ln((way.sum::<f64>() as f32).max(1e-4))));
             }
             _ => {}
         }
     }
     let base = f64::from(tree.numbers.crown_base / tree.numbers.height);
-    [median(sizes), median(shoots), base, f64::from(limbs).max(1.0).ln()]
+    [median(sizes), median(shoots), base, f64::from(math::ln((limbs as f32).max(1.0)))]
 }
 
 pub(crate) fn median(mut values: Vec<f64>) -> f64 {

@@ -1,13 +1,14 @@
 //! Published figures of the species, as ranges that medians should lie in.
 //!
-//! Slenderness and crown width of amenity trees: OpenBARD (Fennell 2024), p10, p50, p90, from which quartiles are worked out
-//! as of a log-normal distribution; where only a median is known, of street trees (McPherson et al. 2016), 15% to
+//! Slenderness and crown width of amenity trees: `OpenBARD` (Fennell 2024), p10, p50, p90, from which quartiles are worked out
+//! as of a log-normal distribution; where only a median is known, of street trees (`McPherson` et al. 2016), 15% to
 //! either side. Leaf area and its index: street trees, quartiles of the index; for the area, a third to either side.
-//! Twig radii: rTwig, with the usual spread of twigs. Leaf inclination: Chianucci et al. 2018, mean and standard
+//! Twig radii: `rTwig`, with the usual spread of twigs. Leaf inclination: Chianucci et al. 2018, mean and standard
 //! deviation. Stems: lmfor (pine, spruce, birch), forestmangr (eucalypt). Angles: Lignum's pines, Fabrika et al. 2019
 //! (spruce), openalea's apples and walnut. Some figures are of a relative: see docs/species.md.
 
 use crate::measure::COUNT;
+use treesynth::math;
 
 /// What is known of a species; zeros where nothing is.
 #[derive(Clone, Copy)]
@@ -54,8 +55,8 @@ pub(crate) const KNOWN: [Known; 24] = [
     Known { name: "cottonwood", slenderness: [0.0, 40.0, 0.0], width: [0.0, 0.53, 0.0], leaf_area: [100.0, 304.0], leaf_area_index: [3.6, 6.5], twig: 1.21, ..NONE },
     Known { name: "cherry", slenderness: [12.0, 23.0, 38.0], width: [0.58, 1.00, 1.44], leaf_area: [31.0, 105.0], leaf_area_index: [1.5, 2.7], twig: 0.74, inclination: [50.0, 13.0], ..NONE },
     Known { name: "American elm", slenderness: [0.0, 29.0, 0.0], width: [0.0, 0.81, 0.0], leaf_area: [90.0, 288.0], leaf_area_index: [2.3, 5.3], twig: 0.85, inclination: [34.0, 18.0], ..NONE },
-    Known { name: "apple", slenderness: [14.0, 26.0, 47.0], width: [0.62, 1.00, 1.50], leaf_area: [23.0, 106.0], leaf_area_index: [0.6, 2.2], angle: [67.0, 85.0], twig: 1.35, inclination: [29.0, 15.0], ..NONE },
-    Known { name: "walnut", slenderness: [0.0, 32.0, 0.0], width: [0.0, 0.80, 0.0], leaf_area: [118.0, 293.0], leaf_area_index: [2.4, 4.4], angle: [35.7, 48.3], twig: 2.58, inclination: [30.0, 17.0], ..NONE },
+    Known { name: "apple", slenderness: [14.0, 26.0, 47.0], width: [0.62, 1.00, 1.50], leaf_area: [23.0, 106.0], leaf_area_index: [0.6, 2.2], angle: [67.0, 85.0], twig: 1.35, inclination: [29.0, 15.0] },
+    Known { name: "walnut", slenderness: [0.0, 32.0, 0.0], width: [0.0, 0.80, 0.0], leaf_area: [118.0, 293.0], leaf_area_index: [2.4, 4.4], angle: [35.7, 48.3], twig: 2.58, inclination: [30.0, 17.0] },
     Known { name: "eucalyptus", slenderness: [0.0, 44.0, 0.0], width: [0.0, 0.44, 0.0], leaf_area: [66.0, 193.0], leaf_area_index: [1.6, 4.2], ..NONE },
     Known { name: "umbrella thorn", ..NONE },
     Known { name: "coconut palm", slenderness: [0.0, 53.0, 0.0], width: [0.0, 0.34, 0.0], ..NONE },
@@ -71,7 +72,7 @@ pub(crate) const STANDS: [(&str, [f64; 3], [f64; 3]); 3] = [
 ];
 
 /// From the median to a quartile, where the 10th and 90th percentile are 1.
-const QUARTILE: f64 = 0.674_49 / 1.281_55;
+const QUARTILE: f32 = 0.674_49 / 1.281_55;
 
 /// Quartiles of a log-normal distribution of which p10, p50 and p90 are known; 15% to either side of a median alone.
 pub(crate) fn quartiles([p10, p50, p90]: [f64; 3]) -> Option<[f64; 2]> {
@@ -81,7 +82,8 @@ pub(crate) fn quartiles([p10, p50, p90]: [f64; 3]) -> Option<[f64; 2]> {
     if p10 <= 0.0 {
         return Some([p50 * 0.85, p50 * 1.15]);
     }
-    Some([p50 * (p10 / p50).powf(QUARTILE), p50 * (p90 / p50).powf(QUARTILE)])
+    let power = |ratio: f64| f64::from(math::powf(ratio as f32, QUARTILE));
+    Some([p50 * power(p10 / p50), p50 * power(p90 / p50)])
 }
 
 impl Known {

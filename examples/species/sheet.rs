@@ -10,10 +10,10 @@ use treesynth::species;
 use treesynth::surface::{Material, Mesh, Part, Tubes};
 
 /// Metres of a cell, and its pixels a metre.
-const CELL: [f32; 2] = [17.0, 25.0];
-const SCALE: f32 = 12.0;
+const CELL: [f32; 2] = [14.0, 23.0];
+const SCALE: f32 = 17.0;
 /// Pixels under each tree for its name.
-const LABEL: u32 = 14;
+const LABEL: u32 = 22;
 /// Trees in a row, each bare and in leaf.
 const ROW: u32 = 6;
 
@@ -54,7 +54,7 @@ pub(crate) fn draw(seed: u64) -> Result<Picture, Failure> {
     let preview = Preview::default()
         .with_size(pixels[0], pixels[1])
         .with_camera(camera)
-        .with_background([1.0; 3], [1.0; 3])
+        .with_background([0.74, 0.82, 0.9], [0.9, 0.9, 0.88])
         .with_ground(false)
         .with_supersampling(2);
     let cells: Result<Vec<Picture>, String> = species::all()
@@ -72,7 +72,7 @@ pub(crate) fn draw(seed: u64) -> Result<Picture, Failure> {
                     position: place,
                     ..treesynth::surface::Instance::IDENTITY
                 };
-                let (trunk, body) = ([stand(middle)], [stand(Vec3::new(-width * 0.44, 0.0, 3.0))]);
+                let (trunk, body) = ([stand(middle)], [stand(Vec3::new(-width * 0.46, 0.0, 3.0))]);
                 let human = Material::bark().with_srgb([60, 60, 66]);
                 let wood = Part::new(&bark).with_material(Material::white()).with_instances(&trunk);
                 let somebody = Part::new(&person).with_material(human).with_instances(&body);
@@ -87,8 +87,8 @@ pub(crate) fn draw(seed: u64) -> Result<Picture, Failure> {
                 let mut cell = Picture::new(2 * pixels[0], pixels[1] + LABEL, [255; 3])?;
                 cell.blit(&bare, 0, 0);
                 cell.blit(&leafy, pixels[0] as i32, 0);
-                let at = (2 * pixels[0]).saturating_sub(Picture::label_width(&species.name, 1)) / 2;
-                cell.label(&species.name, at as i32, pixels[1] as i32 + 3, 1, [40; 3]);
+                let at = (2 * pixels[0]).saturating_sub(Picture::label_width(&species.name, 2)) / 2;
+                cell.label(&species.name, at as i32, pixels[1] as i32 + 4, 2, [40; 3]);
                 Ok(cell)
             };
             draw().map_err(|error| format!("{}: {error}", species.name))

@@ -85,7 +85,9 @@ impl Growing<'_> {
         let lean = if number == 0 {
             trunk.lean * draw.within([0.2, 1.0])
         } else {
-            trunk.fork_angle * (0.35 + outer * 0.8)
+            // To where the crown is wide they lean more.
+            let wide = self.outline.reach(0.7 * plan.height, azimuth) / self.outline.radius().max(0.01);
+            trunk.fork_angle * (0.35 + outer * 0.8) * wide.clamp(0.3, 1.8)
         };
         let end = height * if trunk.leader < 1.0 { trunk.leader * draw.within([0.88, 1.12]) } else { 1.0 };
         let end = end.min(height);
@@ -115,7 +117,7 @@ impl Growing<'_> {
         };
         let step = (plan.height / 60.0).clamp(0.08, 0.4);
         let low = [0.05, 0.15, 0.3, 0.6, 0.95, 1.3].into_iter().filter(|y| *y < 0.9 * end);
-        let from = low.clone().last().unwrap_or(0.0);
+        let from = low.clone().next_back().unwrap_or(0.0);
         let count = ((end - from) / step).ceil().max(1.0);
         let high = (1..=count as usize).map(|i| from + (end - from) * i as f32 / count);
         let (order, mut nodes) = (u16::from(number > 0), vec![0]);

@@ -174,7 +174,7 @@ impl<'a> Request<'a> {
         let (mut dbh, mut height) = match (self.dbh, self.height) {
             (Some(dbh), Some(height)) => (dbh, height),
             (Some(dbh), None) => (dbh, height_of(dbh) * (1.0 + 0.8 * crowding)),
-            (None, Some(height)) => (open * (1.0 - 0.8 * crowding), height),
+            (None, Some(height)) => (open * (1.0 - 0.83 * crowding), height),
             (None, None) => (open * (1.0 - 0.5 * crowding), height_of(open)),
         };
         let [slowest, fastest] = size.slenderness;

@@ -3,6 +3,7 @@
 use super::data::{BarkKind, LeafShape, Species};
 use super::names::TEXTS;
 use super::{SpeciesError, Specimen, all, by_name};
+use crate::math;
 use crate::radius::check_radii;
 use glam::Vec3;
 use std::collections::BTreeSet;
@@ -220,9 +221,9 @@ fn neighbours_make_it_slender() -> Result<(), Box<dyn Error>> {
 fn features(tree: &Specimen) -> Vec<f64> {
     let (skeleton, numbers) = (&tree.skeleton, &tree.numbers);
     let mean = |values: &[f64]| values.iter().sum::<f64>() / values.len().max(1) as f64;
-    let tips: Vec<f64> = skeleton.tips().map(|tip| f64::from(skeleton.radii()[tip]).ln()).collect();
+    let tips: Vec<f64> = skeleton.tips().map(|tip| f64::from(math::ln(skeleton.radii()[tip]))).collect();
     let leaves = tree.leaves.as_ref().map_or(&[][..], |leaves| &leaves.instances);
-    let sizes: Vec<f64> = leaves.iter().map(|leaf| f64::from(leaf.scale).ln()).collect();
+    let sizes: Vec<f64> = leaves.iter().map(|leaf| f64::from(math::ln(leaf.scale))).collect();
     let level: Vec<f64> =
         leaves.iter().map(|leaf| f64::from((leaf.rotation_matrix() * Vec3::Z).y.abs())).collect();
     let (mut limbs, mut shoots) = (Vec::new(), Vec::new());
@@ -235,15 +236,15 @@ fn features(tree: &Specimen) -> Vec<f64> {
         }
     }
     vec![
-        f64::from(numbers.height / numbers.dbh).ln(),
-        f64::from(numbers.crown_width / numbers.height).ln(),
+        f64::from(math::ln(numbers.height / numbers.dbh)),
+        f64::from(math::ln(numbers.crown_width / numbers.height)),
         f64::from(numbers.crown_base / numbers.height),
         mean(&tips),
         mean(&sizes),
         mean(&level),
         mean(&limbs),
         mean(&shoots),
-        (limbs.len() as f64).max(1.0).ln(),
+        f64::from(math::ln((limbs.len() as f32).max(1.0))),
     ]
 }
 

@@ -219,12 +219,11 @@ impl Fields for Reader<'_> {
 
     fn choice<T: Choice>(&mut self, name: &'static str, value: &mut T) {
         if let Some((line, raw)) = self.take(name) {
-            match T::NAMES.iter().find(|(known, _)| unquoted(raw) == Some(*known)) {
-                Some((_, choice)) => *value = *choice,
-                None => {
-                    let names: Vec<_> = T::NAMES.iter().map(|(known, _)| format!("\"{known}\"")).collect();
-                    self.fail(line, name, format!("is {raw}, but must be one of {}", names.join(", ")));
-                }
+            if let Some((_, choice)) = T::NAMES.iter().find(|(known, _)| unquoted(raw) == Some(*known)) {
+                *value = *choice;
+            } else {
+                let names: Vec<_> = T::NAMES.iter().map(|(known, _)| format!("\"{known}\"")).collect();
+                self.fail(line, name, format!("is {raw}, but must be one of {}", names.join(", ")));
             }
         }
     }

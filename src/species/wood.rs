@@ -5,8 +5,9 @@ use crate::math::{self, UP, perpendicular};
 use glam::Vec3;
 
 /// What a node belongs to, from the stem to the shoots.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, PartialOrd, Ord)]
 pub(super) enum Rank {
+    #[default]
     Stem,
     Limb,
     Branch,
@@ -20,12 +21,6 @@ pub(super) struct Wood {
     pub(super) parents: Vec<u32>,
     pub(super) orders: Vec<u16>,
     pub(super) ranks: Vec<Rank>,
-}
-
-impl Default for Rank {
-    fn default() -> Self {
-        Self::Stem
-    }
 }
 
 impl Wood {
