@@ -10,8 +10,8 @@ use treesynth::species;
 use treesynth::surface::{Material, Mesh, Part, Tubes};
 
 /// Metres of a cell, and its pixels a metre.
-const CELL: [f32; 2] = [14.0, 23.0];
-const SCALE: f32 = 17.0;
+const CELL: [f32; 2] = [14.5, 28.0];
+const SCALE: f32 = 15.0;
 /// Pixels under each tree for its name.
 const LABEL: u32 = 22;
 /// Trees in a row, each bare and in leaf.
