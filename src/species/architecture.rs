@@ -13,6 +13,8 @@ use std::f32::consts::{PI, TAU};
 
 /// The golden angle.
 const GOLDEN: f32 = 2.399_963_2;
+/// Above so many usual diameters, laterals stand farther apart.
+const HUGE: f32 = 2.5;
 /// Most nodes of a tree.
 const MOST_NODES: usize = 3_000_000;
 
@@ -25,6 +27,8 @@ pub(super) struct Scale {
 
 struct Growing<'a> {
     species: &'a Species,
+    /// By how much laterals are farther apart than the tables say: huge trees keep fewer.
+    coarse: f32,
     outline: Outline,
     density: f32,
     wood: Wood,
@@ -43,7 +47,8 @@ pub(super) fn grow(species: &Species, plan: &Numbers, scale: Scale, seed: u64) -
     let draw = Draw::new(seed);
     let radius = plan.crown_width * 0.5 * scale.radius;
     let outline = Outline::new(&species.crown, plan.crown_base, plan.height, radius, &mut draw.child(1, 0));
-    let mut growing = Growing { species, outline, density: scale.density, wood: Wood::default() };
+    let coarse = (plan.dbh / (HUGE * species.size.usual_diameter)).max(1.0);
+    let mut growing = Growing { species, coarse, outline, density: scale.density, wood: Wood::default() };
     growing.wood.push(Vec3::ZERO, 0, 0, Rank::Stem);
     let stems = draw.child(2, 0).whole(species.trunk.stems).max(1);
     let grown: Vec<Stem> =
@@ -336,6 +341,7 @@ impl Growing<'_> {
         mut add: impl FnMut(&mut Self, u32, Vec3, Vec3, f32),
     ) {
         let mut draw = axis.draw.child(15, 0);
+        let spacing = spacing * self.coarse;
         let flat = match axis.nodes.last().map(|&node| self.wood.ranks[node as usize]) {
             Some(Rank::Limb) => self.species.branches.flat,
             _ => self.species.twigs.flat,

@@ -8,6 +8,8 @@ use crate::random::{self, Purpose};
 use crate::surface::{Instance, Material};
 use crate::{Skeleton, math};
 
+/// More leaves than these are drawn as fewer, larger ones.
+const MOST_LEAVES: f32 = 600_000.0;
 /// By which part leaves are larger or smaller.
 const SIZES: f32 = 0.22;
 /// The leaf at a shoot's tip over the others.
@@ -37,12 +39,12 @@ fn season(leaves: &LeafData, day: f32) -> Season {
     Season { present, size: 0.3 + 0.7 * opened, fresh, turned }
 }
 
-fn foliage(species: &Species) -> Foliage {
+fn foliage(species: &Species, enlarged: f32) -> Foliage {
     let data = &species.leaves;
     Foliage::new(sprig::leaf(data))
         .with_arrangement(data.arrangement())
         .with_spacing(data.spacing)
-        .with_size(data.length)
+        .with_size(data.length * enlarged)
         .with_size_at_tip(AT_TIP)
         .with_size_variation(SIZES)
         .with_reach(data.reach)
@@ -53,8 +55,17 @@ fn foliage(species: &Species) -> Foliage {
         .with_disorder(data.disorder)
 }
 
-/// About how many leaves make so many square metres.
+/// About how many leaves make so many square metres; of a huge tree at most so many as are drawn.
 pub(super) fn wanted(species: &Species, area: f32) -> f32 {
+    natural(species, area).min(MOST_LEAVES)
+}
+
+/// By how much leaves are longer, so that no more than the most make the area.
+fn enlarged(species: &Species, area: f32) -> f32 {
+    (natural(species, area) / MOST_LEAVES).max(1.0).sqrt()
+}
+
+fn natural(species: &Species, area: f32) -> f32 {
     let each = sprig::area(sprig::leaf(&species.leaves).mesh());
     area / (each * species.leaves.length * species.leaves.length * 0.83).max(1e-9)
 }
@@ -75,7 +86,7 @@ pub(super) fn dress(
     seed: u64,
 ) -> Result<(Option<Leaves>, f32), SpeciesError> {
     let data = &species.leaves;
-    let foliage = foliage(species);
+    let foliage = foliage(species, enlarged(species, wish));
     let mut spacing = data.spacing;
     let mut summer = foliage.place(skeleton, seed)?;
     for _ in 0..3 {

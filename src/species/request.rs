@@ -62,6 +62,9 @@ impl Species {
 /// Trunks of which the sizes in the data are told, metres.
 const TRUNKS: [f32; 2] = [0.2, 0.4];
 
+/// By which power of its height the trunk of a tree above usual height is thicker.
+const TALL: f32 = 1.25;
+
 /// The power of the trunk's diameter that goes through both sizes.
 fn power(at: [f32; 2]) -> f32 {
     math::ln(at[1] / at[0]) / math::ln(TRUNKS[1] / TRUNKS[0])
@@ -164,7 +167,11 @@ impl<'a> Request<'a> {
         // Without a word on size, a tree of usual age. In a stand trunks are thinner for their height.
         let from_age = self.age.map(|age| diameter_at(species, age) * vigor);
         let from_height = self.height.map(|height| {
-            TRUNKS[0] * math::powf(height / (size.height_at[0] * taller), 1.0 / power(size.height_at))
+            // Trees above the usual height are tall rather than thick: they grew with company.
+            let known = height.min(height_of(size.usual_diameter));
+            let trunk =
+                TRUNKS[0] * math::powf(known / (size.height_at[0] * taller), 1.0 / power(size.height_at));
+            trunk * math::powf(height / known, TALL.min(1.0 / power(size.height_at)))
         });
         let open = self.dbh.or(from_height).or(from_age).unwrap_or(usual);
         let open = open.clamp(size.diameter[0], size.diameter[1]);

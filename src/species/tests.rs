@@ -290,7 +290,7 @@ fn species_can_be_told_apart() -> Result<(), Box<dyn Error>> {
 
 /// FNV-1a of the bits of places and radii.
 fn hash(tree: &Specimen) -> u64 {
-    let places = tree.skeleton.positions().iter().flat_map(|place| place.to_array());
+    let places = tree.skeleton.positions().iter().flat_map(Vec3::to_array);
     let leaves =
         tree.leaves.iter().flat_map(|leaves| &leaves.instances).flat_map(|leaf| leaf.position.to_array());
     let numbers = places.chain(tree.skeleton.radii().iter().copied()).chain(leaves);
