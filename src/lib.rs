@@ -14,7 +14,7 @@
 //! [`self_organizing`] and [`growth`] grow it; a [`Skeleton`] is what comes out; [`radius`] makes it thick, [`metrics`] measures it, [`surface`] makes triangles of
 //! it, [`foliage`] puts leaves on it, [`export`] writes files, and
 //! [`preview`](https://docs.rs/treesynth/latest/treesynth/preview/) draws pictures. [`presets`] has the trees of the
-//! papers' figures and more, ready made.
+//! papers' figures and more, ready made, and [`species`] grows trees by name.
 //!
 //! ```
 //! use treesynth::{Metrics, presets, surface::Tubes};
@@ -68,6 +68,7 @@ pub mod random;
 pub mod self_organizing;
 pub mod shape;
 pub mod skeleton;
+pub mod species;
 pub mod surface;
 #[cfg(feature = "testing")]
 pub mod testing;

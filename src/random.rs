@@ -43,6 +43,8 @@ impl Purpose {
     pub const BARK: Self = Self(72);
     /// Which twigs stand for others as cards, and how one leaf's image differs from the next.
     pub const CARDS: Self = Self(49);
+    /// What distinguishes trees of one species, and the branches of each.
+    pub const SPECIES: Self = Self(64);
     /// The first purpose that the crate itself never uses.
     pub const CUSTOM: Self = Self(1 << 16);
 }

@@ -15,6 +15,7 @@ const LAYERS: &[&[&str]] = &[
     &["surface"],
     &["foliage"],
     &["export", "preview", "asset"],
+    &["species"],
     &["presets"],
     &["testing"],
 ];

@@ -1,0 +1,185 @@
+//! Species by name: grows one and draws it, draws all on one sheet, or measures all beside published figures.
+//!
+//!     cargo run --release --example species -- --list
+//!     cargo run --release --example species -- --species "silver birch" --height 12 --seed 3 --out out
+//!     cargo run --release --example species -- --sheet --out docs/figures
+//!     cargo run --release --example species -- --table --seeds 20
+//!     cargo run --release --example species -- --classify --seeds 20
+
+mod classify;
+#[path = "../common/mod.rs"]
+mod common;
+mod measure;
+mod reference;
+mod sheet;
+mod table;
+
+use common::{Failure, Outputs, number, print, text};
+use lexopt::prelude::*;
+use std::fs;
+use std::path::PathBuf;
+use treesynth::export::{GlbOptions, write_glb_parts};
+use treesynth::species::{self, Request, Species, Specimen};
+use treesynth::surface::{Material, Part, Tubes};
+
+const USAGE: &str = "\
+Usage: species (--list | --species NAME | --file TEXT | --sheet | --table | --classify) [options]
+  --list              the names of all species
+  --species NAME      grow one: English or Latin name; writes NAME.glb and NAME.png
+  --file TEXT         the same, of a species that is read from a text file
+  --height M, --dbh M, --age YEARS
+  --stand M           in a stand of that spacing; otherwise in the open
+  --day DAY           day of the year, 1 to 366 [196]
+  --seed N            [0]
+  --sheet             all species, bare and in leaf, at one scale: species.png
+  --table             measures beside published figures, as Markdown
+  --classify          how many trees are named right by the nearest centroid of their measures
+  --seeds N           trees of each species for the table and the naming [20]
+  --out DIR           [out]";
+
+/// What is done with all species.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Task {
+    List,
+    Sheet,
+    Table,
+    Classify,
+}
+
+#[derive(Default)]
+struct Options {
+    task: Option<Task>,
+    species: Option<String>,
+    file: Option<PathBuf>,
+    height: Option<f32>,
+    dbh: Option<f32>,
+    age: Option<f32>,
+    stand: Option<f32>,
+    day: Option<f32>,
+    seed: u64,
+    seeds: u64,
+    out: PathBuf,
+}
+
+fn main() {
+    common::run(|| match options()? {
+        None => Ok(()),
+        Some(options) => run(&options),
+    });
+}
+
+fn options() -> Result<Option<Options>, Failure> {
+    let mut options = Options { seeds: 20, out: "out".into(), ..Options::default() };
+    let mut arguments = lexopt::Parser::from_env();
+    let metres = 0.0..=1000.0;
+    while let Some(argument) = arguments.next()? {
+        match argument {
+            Long("list") => options.task = Some(Task::List),
+            Long("sheet") => options.task = Some(Task::Sheet),
+            Long("table") => options.task = Some(Task::Table),
+            Long("classify") => options.task = Some(Task::Classify),
+            Long("species") => options.species = Some(text(&mut arguments, "--species")?),
+            Long("file") => options.file = Some(text(&mut arguments, "--file")?.into()),
+            Long("height") => options.height = Some(number(&mut arguments, "--height", metres.clone(), "m")?),
+            Long("dbh") => options.dbh = Some(number(&mut arguments, "--dbh", metres.clone(), "m")?),
+            Long("age") => options.age = Some(number(&mut arguments, "--age", 0.0..=10_000.0, "years")?),
+            Long("stand") => options.stand = Some(number(&mut arguments, "--stand", metres.clone(), "m")?),
+            Long("day") => options.day = Some(number(&mut arguments, "--day", 1.0..=366.0, "")?),
+            Long("seed") => options.seed = number(&mut arguments, "--seed", 0..=u64::MAX, "")?,
+            Long("seeds") => options.seeds = number(&mut arguments, "--seeds", 2..=1000, "")?,
+            Long("out") => options.out = text(&mut arguments, "--out")?.into(),
+            Long("help") | Short('h') => {
+                print([USAGE]);
+                return Ok(None);
+            }
+            other => return Err(other.unexpected().into()),
+        }
+    }
+    Ok(Some(options))
+}
+
+fn run(options: &Options) -> Result<(), Failure> {
+    match options.task {
+        Some(Task::List) => print(
+            species::all()
+                .iter()
+                .map(|species| format!("{:18} {:28} {}", species.name, species.latin, species.about)),
+        ),
+        Some(Task::Table) => print(table::lines(options.seeds)?),
+        Some(Task::Classify) => print(classify::lines(options.seeds)?),
+        Some(Task::Sheet) => {
+            let mut outputs = Outputs::new("--out", &options.out)?;
+            let sheet = sheet::draw(options.seed)?;
+            let path = outputs.path("species.png");
+            outputs.write(&path, |writer| Ok(sheet.write_png(writer)?))?;
+            outputs.finish()?;
+        }
+        None => grow(options)?,
+    }
+    Ok(())
+}
+
+/// One species, by its name or from a file.
+fn grow(options: &Options) -> Result<(), Failure> {
+    if let Some(path) = &options.file {
+        let content = fs::read_to_string(path).map_err(|error| format!("{}: {error}", path.display()))?;
+        let own = Species::parse(&content).map_err(|error| format!("{}: {error}", path.display()))?;
+        one(&own, options)?;
+    } else if let Some(name) = &options.species {
+        one(species::by_name(name)?, options)?;
+    } else {
+        return Err(USAGE.into());
+    }
+    Ok(())
+}
+
+fn request<'a>(species: &'a Species, options: &Options) -> Request<'a> {
+    let mut request = species.request().with_seed(options.seed).with_day(options.day.unwrap_or(196.0));
+    for (wish, set) in [
+        (options.height, Request::with_height as fn(Request<'a>, f32) -> Request<'a>),
+        (options.dbh, Request::with_dbh),
+        (options.age, Request::with_age),
+        (options.stand, Request::in_a_stand),
+    ] {
+        if let Some(value) = wish {
+            request = set(request, value);
+        }
+    }
+    request
+}
+
+/// One tree: a picture and a model.
+fn one(species: &Species, options: &Options) -> Result<(), Failure> {
+    let tree = request(species, options).grow()?;
+    let mut outputs = Outputs::new("--out", &options.out)?;
+    let name = species.name.replace(' ', "-").to_lowercase();
+    let bark = tree.bark_mesh(&Tubes::default().with_root_flare(0.0))?;
+    let parts = parts(&tree, &bark);
+    let path = outputs.path(&format!("{name}.glb"));
+    outputs.write(&path, |writer| {
+        Ok(write_glb_parts(&parts, &GlbOptions::default().with_name(&name), writer)?)
+    })?;
+    let picture = sheet::portrait(&parts)?;
+    let path = outputs.path(&format!("{name}.png"));
+    outputs.write(&path, |writer| Ok(picture.write_png(writer)?))?;
+    outputs.finish()?;
+    let numbers = tree.numbers;
+    print([format!(
+        "{}, seed {}: {:.1} m tall, {:.2} m thick at 1.3 m, about {:.0} years, crown {:.1} m wide from {:.1} m up, {} leaves, {:.0} m² in summer",
+        species.name,
+        tree.seed,
+        numbers.height,
+        numbers.dbh,
+        numbers.age,
+        numbers.crown_width,
+        numbers.crown_base,
+        tree.leaves.as_ref().map_or(0, |leaves| leaves.instances.len()),
+        numbers.leaf_area,
+    )]);
+    Ok(())
+}
+
+fn parts<'a>(tree: &'a Specimen, bark: &'a treesynth::surface::Mesh) -> Vec<Part<'a>> {
+    let wood = Part::new(bark).with_material(Material::white());
+    [wood].into_iter().chain(tree.leaves.as_ref().map(treesynth::foliage::Leaves::part)).collect()
+}

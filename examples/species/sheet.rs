@@ -1,0 +1,98 @@
+//! Pictures: one tree, and all species at one scale.
+
+use crate::common::Failure;
+use rayon::prelude::*;
+use treesynth::Skeleton;
+use treesynth::glam::Vec3;
+use treesynth::preview::{Camera, Picture, Preview, Projection};
+use treesynth::shape::Bounds;
+use treesynth::species;
+use treesynth::surface::{Material, Mesh, Part, Tubes};
+
+/// Metres of a cell, and its pixels a metre.
+const CELL: [f32; 2] = [14.5, 28.0];
+const SCALE: f32 = 15.0;
+/// Pixels under each tree for its name.
+const LABEL: u32 = 22;
+/// Trees in a row, each bare and in leaf.
+const ROW: u32 = 6;
+
+pub(crate) fn portrait(parts: &[Part<'_>]) -> Result<Picture, Failure> {
+    let camera = Camera::default().with_elevation(0.05);
+    Ok(Preview::default().with_size(1000, 1000).with_camera(camera).draw_parts(parts)?)
+}
+
+/// Somebody of 1.8 m, as a row of tubes.
+fn person() -> Result<Mesh, Failure> {
+    let outline = [
+        (0.0, 0.1),
+        (0.85, 0.16),
+        (1.1, 0.15),
+        (1.42, 0.21),
+        (1.5, 0.07),
+        (1.56, 0.08),
+        (1.68, 0.11),
+        (1.8, 0.04),
+    ];
+    let positions = outline.iter().map(|(y, _)| Vec3::new(0.0, *y, 0.0)).collect();
+    let parents = (0..outline.len() as u32).map(|node| node.checked_sub(1)).collect();
+    let radii = outline.iter().map(|(_, radius)| *radius).collect();
+    let body = Skeleton::new(positions, parents)?.with_radii(radii)?;
+    Ok(Tubes::default().with_root_flare(0.0).mesh(&body)?)
+}
+
+pub(crate) fn draw(seed: u64) -> Result<Picture, Failure> {
+    let person = person()?;
+    let [width, height] = CELL;
+    let frame = Bounds::new(Vec3::new(-width / 2.0, 0.0, -0.5), Vec3::new(width / 2.0, height, 0.5));
+    let camera = Camera::default()
+        .with_elevation(0.0)
+        .with_projection(Projection::Orthographic)
+        .with_margin(0.0)
+        .with_frame(frame);
+    let pixels = CELL.map(|metres| (metres * SCALE) as u32);
+    let preview = Preview::default()
+        .with_size(pixels[0], pixels[1])
+        .with_camera(camera)
+        .with_background([0.74, 0.82, 0.9], [0.9, 0.9, 0.88])
+        .with_ground(false)
+        .with_supersampling(2);
+    let cells: Result<Vec<Picture>, String> = species::all()
+        .par_iter()
+        .map(|species| {
+            let draw = || -> Result<Picture, Failure> {
+                let tree = species.request().with_seed(seed).grow()?;
+                let bark =
+                    tree.bark_mesh(&Tubes::default().with_sides(8).with_least_sides(3).with_root_flare(0.0))?;
+                // The tree stands in the middle of its cell, wherever its crown grew.
+                let reach = tree.skeleton.positions().iter().map(|place| place.x);
+                let (low, high) = reach.fold((0.0f32, 0.0f32), |(low, high), x| (low.min(x), high.max(x)));
+                let middle = Vec3::X * ((low + high) * -0.5);
+                let stand = |place: Vec3| treesynth::surface::Instance {
+                    position: place,
+                    ..treesynth::surface::Instance::IDENTITY
+                };
+                let (trunk, body) = ([stand(middle)], [stand(Vec3::new(-width * 0.46, 0.0, 3.0))]);
+                let human = Material::bark().with_srgb([60, 60, 66]);
+                let wood = Part::new(&bark).with_material(Material::white()).with_instances(&trunk);
+                let somebody = Part::new(&person).with_material(human).with_instances(&body);
+                let bare = preview.draw_parts(&[wood, somebody])?;
+                let mut moved = tree.leaves.clone();
+                for leaf in moved.iter_mut().flat_map(|leaves| &mut leaves.instances) {
+                    leaf.position += middle;
+                }
+                let leafy: Vec<Part<'_>> =
+                    [wood, somebody].into_iter().chain(moved.as_ref().map(|leaves| leaves.part())).collect();
+                let leafy = preview.draw_parts(&leafy)?;
+                let mut cell = Picture::new(2 * pixels[0], pixels[1] + LABEL, [255; 3])?;
+                cell.blit(&bare, 0, 0);
+                cell.blit(&leafy, pixels[0] as i32, 0);
+                let at = (2 * pixels[0]).saturating_sub(Picture::label_width(&species.name, 2)) / 2;
+                cell.label(&species.name, at as i32, pixels[1] as i32 + 4, 2, [40; 3]);
+                Ok(cell)
+            };
+            draw().map_err(|error| format!("{}: {error}", species.name))
+        })
+        .collect();
+    Ok(Picture::sheet(&cells?, ROW, 2, [255; 3])?)
+}

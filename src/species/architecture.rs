@@ -1,0 +1,416 @@
+//! The architecture of a tree: stems, limbs, branches, twigs and shoots by the tables of its species, within the
+//! outline of its crown; then the shoots in deepest shade die.
+
+use super::data::{Laterals, Species, Stand};
+use super::draw::Draw;
+use super::outline::Outline;
+use super::request::Numbers;
+use super::shade;
+use super::wood::{Axis, Course, Rank, Wood, frame};
+use crate::math;
+use glam::Vec3;
+use std::f32::consts::{PI, TAU};
+
+/// The golden angle.
+const GOLDEN: f32 = 2.399_963_2;
+/// Above so many usual diameters, laterals stand farther apart.
+const HUGE: f32 = 2.5;
+/// Most nodes of a tree.
+const MOST_NODES: usize = 3_000_000;
+
+/// What a tree is grown with: how wide its outline is drawn, how dense its shoots stand.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Scale {
+    pub(super) radius: f32,
+    pub(super) density: f32,
+}
+
+struct Growing<'a> {
+    species: &'a Species,
+    /// By how much laterals are farther apart than the tables say: huge trees keep fewer.
+    coarse: f32,
+    outline: Outline,
+    density: f32,
+    wood: Wood,
+}
+
+/// One stem: an axis, where its limbs begin, and where it ends.
+struct Stem {
+    axis: Axis,
+    base: f32,
+    /// The height up to which it bears limbs.
+    end: f32,
+    order: u16,
+}
+
+pub(super) fn grow(species: &Species, plan: &Numbers, scale: Scale, seed: u64) -> Wood {
+    let draw = Draw::new(seed);
+    let radius = plan.crown_width * 0.5 * scale.radius;
+    let outline = Outline::new(&species.crown, plan.crown_base, plan.height, radius, &mut draw.child(1, 0));
+    let coarse = (plan.dbh / (HUGE * species.size.usual_diameter)).max(1.0);
+    let mut growing = Growing { species, coarse, outline, density: scale.density, wood: Wood::default() };
+    growing.wood.push(Vec3::ZERO, 0, 0, Rank::Stem);
+    let stems = draw.child(2, 0).whole(species.trunk.stems).max(1);
+    let grown: Vec<Stem> =
+        (0..stems).map(|number| growing.stem(plan, number, stems, draw.child(3, number))).collect();
+    let mut limbs = Vec::new();
+    for (number, stem) in grown.iter().enumerate() {
+        growing.limbs(stem, stems, draw.child(4, number), &mut limbs);
+    }
+    let mut branches = Vec::new();
+    for limb in &limbs {
+        let bare = species.limbs.bare;
+        growing.laterals(limb, &species.branches, bare, Rank::Branch, &mut branches);
+    }
+    let mut twigs = Vec::new();
+    for branch in &branches {
+        growing.laterals(branch, &species.twigs, species.branches.bare, Rank::Twig, &mut twigs);
+    }
+    for limb in &limbs {
+        // Shoots stand at the outer parts of limbs and branches too.
+        growing.shoots(limb, 0.75_f32.max(species.limbs.bare));
+    }
+    for branch in &branches {
+        growing.shoots(branch, 0.3_f32.max(species.branches.bare));
+    }
+    for twig in &twigs {
+        growing.shoots(twig, species.twigs.bare);
+    }
+    shade::shed(growing.wood, species.crown.shed, draw.child(5, 0))
+}
+
+impl Growing<'_> {
+    fn stem(&mut self, plan: &Numbers, number: usize, stems: usize, mut draw: Draw) -> Stem {
+        let trunk = &self.species.trunk;
+        let azimuth = number as f32 * GOLDEN + draw.unit() * 0.8;
+        // The first is the tallest; the others stand around it, outer ones shorter and leaning more.
+        let tall = if number == 0 { 1.0 } else { draw.within([0.55, 0.98]) };
+        let height = plan.height * tall;
+        let outer = (number as f32 / stems as f32).sqrt();
+        let lean = if number == 0 {
+            trunk.lean * draw.within([0.2, 1.0])
+        } else {
+            // To where the crown is wide they lean more.
+            let wide = self.outline.reach(0.7 * plan.height, azimuth) / self.outline.radius().max(0.01);
+            trunk.fork_angle * (0.35 + outer * 0.8) * wide.clamp(0.3, 1.8)
+        };
+        let end = height * if trunk.leader < 1.0 { trunk.leader * draw.within([0.88, 1.12]) } else { 1.0 };
+        let end = end.min(height);
+        let slope = math::sin(lean.to_radians()) / math::cos(lean.to_radians());
+        let bend = math::sin(trunk.sweep.to_radians()) / math::cos(trunk.sweep.to_radians());
+        let waves: Vec<(f32, f32, f32)> = [0.7, 1.6, 3.1]
+            .into_iter()
+            .map(|waves: f32| {
+                let wave = TAU * waves * draw.within([0.8, 1.25]) / plan.height;
+                (bend * draw.within([0.3, 1.0]) / wave * 0.6, wave, draw.unit() * TAU)
+            })
+            .collect();
+        let turned = draw.unit() * TAU;
+        let start = if number == 0 { 0.0 } else { 0.045 * plan.height * draw.within([0.25, 1.0]) };
+        let place = |y: f32| {
+            // A stem that leans straightens on its way up; one of several arches outwards.
+            let way = if number == 0 { 1.0 - 0.35 * y / height } else { 0.35 + 0.65 * y / height };
+            let out = start + slope * y * way;
+            let (sin, cos) = math::sin_cos(azimuth);
+            let mut place = Vec3::new(out * cos, y, out * sin);
+            for (index, &(size, wave, phase)) in waves.iter().enumerate() {
+                let way = size * (math::sin(wave * y + phase) - math::sin(phase));
+                let (sin, cos) = math::sin_cos(turned + index as f32 * 1.9);
+                place += Vec3::new(cos, 0.0, sin) * way;
+            }
+            place
+        };
+        let step = (plan.height / 60.0).clamp(0.08, 0.4);
+        let low = [0.05, 0.15, 0.3, 0.6, 0.95, 1.3].into_iter().filter(|y| *y < 0.9 * end);
+        let from = low.clone().next_back().unwrap_or(0.0);
+        let count = ((end - from) / step).ceil().max(1.0);
+        let high = (1..=count as usize).map(|i| from + (end - from) * i as f32 / count);
+        let (order, mut nodes) = (u16::from(number > 0), vec![0]);
+        for y in low.chain(high) {
+            let parent = nodes.last().copied().unwrap_or(0);
+            nodes.push(self.wood.push(place(y), parent, order, Rank::Stem));
+        }
+        let base = if stems == 1 { plan.crown_base } else { plan.crown_base * tall };
+        let axis = Axis { nodes, length: end, draw };
+        if trunk.leader >= 1.0 {
+            self.end_shoot(&axis, order);
+        }
+        Stem { axis, base, end, order }
+    }
+
+    fn limbs(&mut self, stem: &Stem, stems: usize, draw: Draw, limbs: &mut Vec<Axis>) {
+        let species = self.species;
+        let table = &species.limbs;
+        let room = (stem.end - stem.base).max(0.05 * stem.end);
+        let base = stem.end - room;
+        let mut number = 0;
+        let mut add = |this: &mut Self, height: f32, azimuth: f32, vigor: f32, fork: bool| {
+            limbs.push(this.limb(stem, height, azimuth, vigor, fork, draw.child(11, number)));
+            number += 1;
+        };
+        let mut draw = draw.child(12, 0);
+        let rough = table.unequal;
+        let vigor = |draw: &mut Draw| {
+            let weak = draw.unit();
+            1.0 - rough * weak * weak.sqrt()
+        };
+        if table.whorl_spacing > 0.0 {
+            // A young tree's years are shorter.
+            let spacing = table.whorl_spacing.min(room / 4.0);
+            let mut height = base + spacing * draw.unit();
+            while height < stem.end - 0.25 * spacing {
+                let count = draw.whole(table.whorl).max(1);
+                let start = draw.unit() * TAU;
+                for i in 0..count {
+                    let azimuth = start + (i as f32 + 0.35 * (draw.unit() - 0.5)) * TAU / count as f32;
+                    let strong = vigor(&mut draw);
+                    add(self, height, azimuth, strong, false);
+                }
+                let between = (table.between + draw.unit()).floor() as usize;
+                for _ in 0..between {
+                    let at = height + spacing * draw.within([0.15, 0.9]);
+                    if at < stem.end {
+                        let (azimuth, weak) = (draw.unit() * TAU, draw.within([0.25, 0.65]));
+                        add(self, at, azimuth, weak, false);
+                    }
+                }
+                height += spacing * draw.within([0.75, 1.25]);
+            }
+        } else {
+            let count = (table.count / (stems as f32).sqrt()).round().max(0.0) as usize;
+            let start = draw.unit() * TAU;
+            for i in 0..count {
+                let height = base + room * ((i as f32 + draw.unit()) / count as f32);
+                let azimuth = start + i as f32 * GOLDEN + (draw.unit() - 0.5) * 1.6;
+                let strong = vigor(&mut draw);
+                add(self, height, azimuth, strong, false);
+            }
+        }
+        if species.trunk.leader < 1.0 {
+            let count = draw.whole(species.trunk.forks).max(1);
+            let start = draw.unit() * TAU;
+            for i in 0..count {
+                let azimuth = start + (i as f32 + 0.4 * (draw.unit() - 0.5)) * TAU / count as f32;
+                // Not all at one point, which no tree has.
+                let height = stem.end - room.min(stem.end * 0.1) * draw.unit() * f32::from(i > 0);
+                let strong = 1.0 - 0.4 * rough * draw.unit();
+                add(self, height, azimuth, strong, true);
+            }
+        }
+    }
+
+    fn limb(
+        &mut self,
+        stem: &Stem,
+        height: f32,
+        azimuth: f32,
+        vigor: f32,
+        fork: bool,
+        mut draw: Draw,
+    ) -> Axis {
+        let species = self.species;
+        let table = &species.limbs;
+        let nodes = &stem.axis.nodes;
+        let node = nodes.partition_point(|&node| self.wood.at(node).y <= height + 1e-4);
+        let node = nodes[node.saturating_sub(1).max(1.min(nodes.len() - 1))];
+        let from = self.wood.at(node);
+        let share = self.outline.share(from.y);
+        let lerp = |[low, high]: [f32; 2]| (low + (high - low) * share).to_radians();
+        let base = if fork { species.trunk.fork_angle.to_radians() } else { lerp(table.angle) };
+        let base = base + table.angle_spread.to_radians() * draw.normal();
+        let (mid, end) = (lerp(table.rise), lerp(table.rise_at_end));
+        let heading = |pitch: f32, azimuth: f32| {
+            let ((sp, cp), (sa, ca)) = (math::sin_cos(pitch), math::sin_cos(azimuth));
+            Vec3::new(sp * ca, cp, sp * sa)
+        };
+        let length = if table.length[1] > 0.0 {
+            draw.within(table.length) * vigor
+        } else {
+            let most = 2.5 * self.outline.radius() + 0.6 * self.outline.top();
+            let mean = heading(base - 0.6 * mid - 0.15 * end, azimuth);
+            self.outline.way_out(from, mean, most) * vigor
+        };
+        let length = length.max(1.5 * species.shoots.length);
+        let order = stem.order + 1;
+        let step = species.branches.spacing.clamp(length / 60.0, length / 4.0);
+        let steps = (length / step).round().clamp(2.0, 80.0);
+        let step = length / steps;
+        let wander = table.crooked.to_radians() * step.sqrt();
+        let (mut turned, mut dipped) = (0.0f32, 0.0f32);
+        let (mut drift, mut sink) = (0.0f32, 0.0f32);
+        let (mut at, mut nodes) = (from, vec![node]);
+        for i in 0..steps as usize {
+            let t = (i as f32 + 0.5) / steps;
+            let rise = if t < 0.5 { mid * 2.0 * t } else { mid + (end - mid) * (2.0 * t - 1.0) };
+            drift = drift * 0.6 + wander * draw.normal();
+            sink = sink * 0.6 + wander * draw.normal();
+            turned += drift;
+            dipped = (dipped + sink) * 0.92;
+            let pitch = (base - rise + dipped).clamp(-PI, PI);
+            let next = at + heading(pitch, azimuth + turned) * step;
+            if next.y < 0.3 {
+                break;
+            }
+            at = next;
+            let parent = nodes.last().copied().unwrap_or(node);
+            nodes.push(self.wood.push(at, parent, order, Rank::Limb));
+        }
+        let length = step * (nodes.len() - 1) as f32;
+        let axis = Axis { nodes, length, draw: draw.child(13, 0) };
+        self.end_shoot(&axis, order);
+        axis
+    }
+
+    /// Branches or twigs along what bears them.
+    fn laterals(&mut self, axis: &Axis, table: &Laterals, bare: f32, rank: Rank, found: &mut Vec<Axis>) {
+        if table.ratio <= 0.0 || axis.nodes.len() < 2 {
+            return;
+        }
+        let shoots = &self.species.shoots;
+        let spacing = if rank == Rank::Twig { table.spacing / self.density.sqrt() } else { table.spacing };
+        let mut number = 0;
+        let from = self.wood.at(axis.nodes[0]).y;
+        let bare_below = if from < self.outline.base() { self.outline.base() } else { 0.0 };
+        self.stations(axis, table.stand, spacing, bare, |this, node, direction, outward, share| {
+            if this.wood.positions.len() > MOST_NODES {
+                return;
+            }
+            let mut draw = axis.draw.child(rank as u32, number);
+            number += 1;
+            // What rises into the crown from below it is bare until it is there.
+            if this.wood.at(node).y < bare_below {
+                return;
+            }
+            let weak = draw.unit();
+            let rest = ((share - bare) / (1.0 - bare).max(1e-3)).clamp(0.0, 1.0);
+            let taper = math::powf(1.0 - 0.92 * rest, 0.7);
+            let length = (axis.length * table.ratio * taper).clamp(table.length[0], table.length[1]);
+            let length = length * (1.0 - table.unequal * weak * weak.sqrt());
+            let angle = (table.angle + table.angle_spread * draw.normal()).to_radians();
+            let (sin, cos) = math::sin_cos(angle);
+            let heading = (direction * cos + outward * sin).normalize_or(direction);
+            let from = this.wood.at(node);
+            // Hanging ones leave the outline on their way down.
+            let length = if table.rise > -1.0 {
+                let open = this.outline.way_out(from, heading, length);
+                length.min(open.max(0.35 * length) * draw.within([0.9, 1.1]))
+            } else {
+                length
+            };
+            if length < 1.3 * shoots.length {
+                this.shoot(node, heading, draw.child(1, 0));
+                return;
+            }
+            let finer = if rank == Rank::Branch { this.species.twigs.spacing } else { shoots.spacing };
+            let course = Course {
+                base: node,
+                direction: heading,
+                length,
+                step: finer.clamp(length / 40.0, (length / 3.0).max(length / 40.0)),
+                order: this.wood.orders[node as usize] + 1,
+                rank,
+                rise: table.rise,
+                crooked: table.crooked.to_radians(),
+            };
+            let axis = course.grow(&mut this.wood, draw);
+            this.end_shoot(&axis, course.order);
+            found.push(axis);
+        });
+    }
+
+    fn shoots(&mut self, axis: &Axis, bare: f32) {
+        let shoots = &self.species.shoots;
+        let mut number = 0;
+        let angle = shoots.angle.to_radians();
+        let spacing = shoots.spacing / self.density;
+        self.stations(axis, shoots.stand, spacing, bare, |this, node, direction, outward, _| {
+            let mut draw = axis.draw.child(20, number);
+            number += 1;
+            let (sin, cos) = math::sin_cos(angle + 0.2 * draw.normal());
+            this.shoot(node, direction * cos + outward * sin, draw);
+        });
+    }
+
+    /// Calls `add(node, direction, outward, share of the way)` for each lateral along an axis.
+    fn stations(
+        &mut self,
+        axis: &Axis,
+        stand: Stand,
+        spacing: f32,
+        bare: f32,
+        mut add: impl FnMut(&mut Self, u32, Vec3, Vec3, f32),
+    ) {
+        let mut draw = axis.draw.child(15, 0);
+        let spacing = spacing * self.coarse;
+        let flat = match axis.nodes.last().map(|&node| self.wood.ranks[node as usize]) {
+            Some(Rank::Limb) => self.species.branches.flat,
+            _ => self.species.twigs.flat,
+        };
+        let start = draw.unit() * TAU;
+        let mut at = axis.length * bare + spacing * draw.unit();
+        let mut station = 0;
+        while at < axis.length * 0.995 {
+            let share = at / axis.length;
+            let (node, direction) = axis.station(&self.wood, share);
+            let (side, normal) = frame(direction, &mut draw);
+            let turn = station as f32;
+            let (count, first, apart, flat) = match stand {
+                Stand::Spiral => (1, start + turn * GOLDEN, 0.0, flat),
+                Stand::TwoRanked => (1, turn * PI, 0.0, flat.max(0.8)),
+                Stand::Decussate => (2, start + turn * PI / 2.0, PI, flat),
+                Stand::Paired => (2, 0.0, PI, flat.max(0.8)),
+                Stand::Whorled => (4, start + turn * 1.1, PI / 2.0, flat),
+            };
+            for i in 0..count {
+                let around = first + apart * i as f32 + 0.35 * draw.normal();
+                let (sin, cos) = math::sin_cos(around);
+                let outward = (side * cos + normal * sin * (1.0 - flat)).normalize_or(side);
+                add(self, node, direction, outward, share);
+            }
+            station += 1;
+            at += spacing * draw.within([0.6, 1.4]) * if count > 2 { 3.0 } else { count as f32 };
+        }
+    }
+
+    /// The shoot that an axis goes on in.
+    fn end_shoot(&mut self, axis: &Axis, order: u16) {
+        let last = axis.nodes.len() - 1;
+        let direction = axis.direction(&self.wood, last);
+        let mut draw = axis.draw.child(21, 0);
+        let length = self.species.shoots.length * draw.factor(self.species.shoots.length_spread * 0.6);
+        self.extend(axis.nodes[last], direction, length, order, draw);
+    }
+
+    fn shoot(&mut self, node: u32, direction: Vec3, mut draw: Draw) {
+        let shoots = &self.species.shoots;
+        let length = if draw.unit() < shoots.short {
+            shoots.short_length * draw.factor(0.35)
+        } else {
+            shoots.length * draw.factor(shoots.length_spread).min(4.0)
+        };
+        let order = self.wood.orders[node as usize] + 1;
+        self.extend(node, direction.normalize_or(Vec3::Y), length, order, draw);
+    }
+
+    fn extend(&mut self, node: u32, direction: Vec3, length: f32, order: u16, draw: Draw) {
+        let shoots = &self.species.shoots;
+        let step = if length > 0.25 {
+            0.12
+        } else if length > 0.06 {
+            length * 0.5
+        } else {
+            length
+        };
+        let course = Course {
+            base: node,
+            direction,
+            length,
+            step,
+            order,
+            rank: Rank::Shoot,
+            rise: shoots.rise,
+            crooked: 0.25,
+        };
+        course.grow(&mut self.wood, draw);
+    }
+}

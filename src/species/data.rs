@@ -1,0 +1,621 @@
+//! What a species is: the numbers of its text file.
+
+use super::text::{Choice, Fields};
+use crate::foliage::Arrangement;
+
+/// A species as data: sizes, architecture, shoots, leaves and bark. Each part documents its fields; the same names
+/// stand in the text form ([`Species::parse`], [`Species::to_text`]).
+#[derive(Debug, Clone, Default, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
+#[non_exhaustive]
+pub struct Species {
+    /// The English name, e.g. `silver birch`.
+    pub name: String,
+    /// The Latin name, e.g. `Betula pendula`.
+    pub latin: String,
+    /// Other names it is found by, separated by commas.
+    pub aliases: String,
+    /// One line on what makes it known.
+    pub about: String,
+    /// How large it gets.
+    pub size: Size,
+    /// Its stem.
+    pub trunk: Trunk,
+    /// The outline of its crown.
+    pub crown: Crown,
+    /// Branches of the first order.
+    pub limbs: Limbs,
+    /// Branches of the second order.
+    pub branches: Laterals,
+    /// Branches of the third order.
+    pub twigs: Laterals,
+    /// Shoots of the last year or two, which end everything.
+    pub shoots: Shoots,
+    /// Its leaves.
+    pub leaves: LeafData,
+    /// Its bark.
+    pub bark: BarkData,
+}
+
+/// How large a species gets. Values "at" two trunks are for diameters of 20 and 40 cm at 1.3 m; in between and beyond
+/// they follow a power of the diameter.
+#[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
+#[non_exhaustive]
+pub struct Size {
+    /// Least and greatest height, metres.
+    pub height: [f32; 2],
+    /// Least and greatest diameter of the trunk at 1.3 m, metres.
+    pub diameter: [f32; 2],
+    /// Diameter of the trunk that is grown if nothing is asked for, metres: the median.
+    pub usual_diameter: f32,
+    /// Height at trunks of 20 and 40 cm, metres.
+    pub height_at: [f32; 2],
+    /// Mean diameter of the crown at trunks of 20 and 40 cm, metres.
+    pub width_at: [f32; 2],
+    /// One-sided area of all leaves at trunks of 20 and 40 cm, square metres.
+    pub leaf_area_at: [f32; 2],
+    /// Spread of height, crown diameter and leaf area about these: standard deviations of logarithms.
+    pub spread: [f32; 3],
+    /// Least and greatest height over diameter of the trunk that occur.
+    pub slenderness: [f32; 2],
+    /// By how much the diameter of a young trunk grows a year, metres.
+    pub growth: f32,
+}
+
+impl Default for Size {
+    fn default() -> Self {
+        Self {
+            height: [2.0, 30.0],
+            diameter: [0.02, 1.5],
+            usual_diameter: 0.35,
+            height_at: [8.5, 12.0],
+            width_at: [5.5, 8.5],
+            leaf_area_at: [60.0, 240.0],
+            spread: [0.1, 0.08, 0.15],
+            slenderness: [8.0, 120.0],
+            growth: 0.007,
+        }
+    }
+}
+
+/// The stem of a species.
+#[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
+#[non_exhaustive]
+pub struct Trunk {
+    /// Stems from the ground: fewest and most.
+    pub stems: [f32; 2],
+    /// Up to which part of the height there is one stem; 1 for a leader to the very top.
+    pub leader: f32,
+    /// Limbs into which it divides where the leader ends: fewest and most.
+    pub forks: [f32; 2],
+    /// Angle of these to the vertical, degrees.
+    pub fork_angle: f32,
+    /// By how much the stem leans, degrees.
+    pub lean: f32,
+    /// By how much it bends on its way, degrees.
+    pub sweep: f32,
+    /// Diameter at a quarter, half and three quarters of the height over that at 1.3 m.
+    pub profile: [f32; 3],
+    /// By which part the base is thicker than the taper alone would have it.
+    pub flare: f32,
+    /// Height of the crown's base over that of the tree: in the open, and crowded in a stand.
+    pub clear: [f32; 2],
+}
+
+impl Default for Trunk {
+    fn default() -> Self {
+        Self {
+            stems: [1.0; 2],
+            leader: 1.0,
+            forks: [2.0, 3.0],
+            fork_angle: 28.0,
+            lean: 2.0,
+            sweep: 3.0,
+            profile: [0.83, 0.64, 0.40],
+            flare: 0.3,
+            clear: [0.2, 0.55],
+        }
+    }
+}
+
+/// The outline of a crown.
+#[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
+#[non_exhaustive]
+pub struct Crown {
+    /// Radii from the crown's base to its top at even distances, parts of the largest; 2 to 12 of them.
+    pub profile: Vec<f32>,
+    /// How far the crown's middle is off the stem, parts of its mean radius: least and most.
+    pub eccentricity: [f32; 2],
+    /// Bulges and bays of the outline, parts of the radius.
+    pub roughness: f32,
+    /// The part of the shoots, those in the deepest shade, that dies.
+    pub shed: f32,
+}
+
+impl Default for Crown {
+    fn default() -> Self {
+        Self {
+            profile: vec![0.7, 0.95, 1.0, 0.9, 0.65, 0.25],
+            eccentricity: [0.12, 0.36],
+            roughness: 0.12,
+            shed: 0.25,
+        }
+    }
+}
+
+/// Branches of the first order. Pairs are for the crown's base and its top; in between they change evenly.
+#[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
+#[non_exhaustive]
+pub struct Limbs {
+    /// So many in all, if they stand one at a time.
+    pub count: f32,
+    /// Distance of whorls, metres; 0 if limbs stand one at a time.
+    pub whorl_spacing: f32,
+    /// Limbs of a whorl: fewest and most.
+    pub whorl: [f32; 2],
+    /// Weak limbs between two whorls.
+    pub between: f32,
+    /// Angle to the stem, degrees.
+    pub angle: [f32; 2],
+    /// Spread of that angle, degrees.
+    pub angle_spread: f32,
+    /// By how much a limb has turned upwards at its middle, degrees; negative: downwards.
+    pub rise: [f32; 2],
+    /// The same at its end.
+    pub rise_at_end: [f32; 2],
+    /// By how much weak limbs fall short of the crown's outline, a part.
+    pub unequal: f32,
+    /// Crookedness: degrees a metre.
+    pub crooked: f32,
+    /// The inner part of a limb without branches.
+    pub bare: f32,
+    /// Least and greatest length, metres; 0 and 0 if limbs reach for the crown's outline.
+    pub length: [f32; 2],
+}
+
+impl Default for Limbs {
+    fn default() -> Self {
+        Self {
+            count: 14.0,
+            whorl_spacing: 0.0,
+            whorl: [1.0; 2],
+            between: 0.0,
+            angle: [65.0, 35.0],
+            angle_spread: 8.0,
+            rise: [10.0, 5.0],
+            rise_at_end: [20.0, 10.0],
+            unequal: 0.4,
+            crooked: 8.0,
+            bare: 0.2,
+            length: [0.0; 2],
+        }
+    }
+}
+
+/// How laterals stand about what bears them.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
+#[non_exhaustive]
+pub enum Stand {
+    /// Each 137.5° around from the one before.
+    #[default]
+    Spiral,
+    /// On two sides in turn, in a level plane.
+    TwoRanked,
+    /// Pairs, each at a right angle to the one before.
+    Decussate,
+    /// Pairs in a level plane.
+    Paired,
+    /// In threes and more at one height, as the last whorl of each year's shoot.
+    Whorled,
+}
+
+impl Choice for Stand {
+    const NAMES: &'static [(&'static str, Self)] = &[
+        ("spiral", Self::Spiral),
+        ("two-ranked", Self::TwoRanked),
+        ("decussate", Self::Decussate),
+        ("paired", Self::Paired),
+        ("whorled", Self::Whorled),
+    ];
+}
+
+/// Branches of a higher order.
+#[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
+#[non_exhaustive]
+pub struct Laterals {
+    /// How they stand.
+    pub stand: Stand,
+    /// Distance of one from the next along the branch that bears them, metres.
+    pub spacing: f32,
+    /// Angle to the branch that bears them, degrees.
+    pub angle: f32,
+    /// Spread of that angle, degrees.
+    pub angle_spread: f32,
+    /// Length over the length of the bearing branch, for the longest; those nearer its end are shorter.
+    pub ratio: f32,
+    /// Least and greatest length, metres.
+    pub length: [f32; 2],
+    /// By how much of a right angle and more they turn upwards on their way; negative: hang.
+    pub rise: f32,
+    /// By how much they leave the level plane less than they would, 0 to 1: flat sprays.
+    pub flat: f32,
+    /// Crookedness: degrees a metre.
+    pub crooked: f32,
+    /// The inner part without laterals of its own.
+    pub bare: f32,
+    /// By how much weak ones are shorter than their place says, a part.
+    pub unequal: f32,
+}
+
+impl Default for Laterals {
+    fn default() -> Self {
+        Self {
+            stand: Stand::Spiral,
+            spacing: 0.3,
+            angle: 50.0,
+            angle_spread: 10.0,
+            ratio: 0.5,
+            length: [0.15, 6.0],
+            rise: 0.2,
+            flat: 0.4,
+            crooked: 15.0,
+            bare: 0.15,
+            unequal: 0.5,
+        }
+    }
+}
+
+/// Shoots of the last year or two.
+#[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
+#[non_exhaustive]
+pub struct Shoots {
+    /// Radius of a shoot, millimetres: the mean.
+    pub radius: f32,
+    /// Its coefficient of variation.
+    pub radius_cv: f32,
+    /// Length of a long shoot, metres: the median.
+    pub length: f32,
+    /// Standard deviation of its logarithm.
+    pub length_spread: f32,
+    /// The part of all shoots that are short.
+    pub short: f32,
+    /// Length of a short shoot, metres.
+    pub short_length: f32,
+    /// Distance of one from the next, metres.
+    pub spacing: f32,
+    /// Angle to what bears them, degrees.
+    pub angle: f32,
+    /// As [`Laterals::rise`].
+    pub rise: f32,
+    /// How they stand.
+    pub stand: Stand,
+}
+
+impl Default for Shoots {
+    fn default() -> Self {
+        Self {
+            radius: 1.3,
+            radius_cv: 0.2,
+            length: 0.1,
+            length_spread: 0.6,
+            short: 0.4,
+            short_length: 0.015,
+            spacing: 0.07,
+            angle: 45.0,
+            rise: 0.2,
+            stand: Stand::Spiral,
+        }
+    }
+}
+
+/// The outlines that leaves are drawn with.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
+#[non_exhaustive]
+pub enum LeafShape {
+    /// Egg-shaped: beech, cherry, apple, elm, hazel.
+    #[default]
+    Ovate,
+    /// As broad as long with a drawn-out tip: birch, poplar.
+    Deltoid,
+    /// Heart-shaped: lime.
+    Heart,
+    /// Long and narrow: willow.
+    Lanceolate,
+    /// Long, narrow and bent like a sickle: eucalyptus.
+    Sickle,
+    /// Five pointed lobes: maple, plane.
+    Lobed,
+    /// Round lobes: oak.
+    Sinuate,
+    /// Leaflets along a rachis: ash, walnut.
+    Pinnate,
+    /// Twice pinnate, of tiny leaflets: thorn, acacia.
+    Bipinnate,
+    /// Leaflets from one point: horse chestnut.
+    Palmate,
+    /// A short shoot of needles all around: spruce, fir.
+    Needles,
+    /// A tuft of long needles: pine.
+    Tuft,
+    /// A spray of scales: cypress.
+    Scales,
+    /// A long narrow band: the leaflets of palms.
+    Strap,
+}
+
+impl Choice for LeafShape {
+    const NAMES: &'static [(&'static str, Self)] = &[
+        ("ovate", Self::Ovate),
+        ("deltoid", Self::Deltoid),
+        ("heart", Self::Heart),
+        ("lanceolate", Self::Lanceolate),
+        ("sickle", Self::Sickle),
+        ("lobed", Self::Lobed),
+        ("sinuate", Self::Sinuate),
+        ("pinnate", Self::Pinnate),
+        ("bipinnate", Self::Bipinnate),
+        ("palmate", Self::Palmate),
+        ("needles", Self::Needles),
+        ("tuft", Self::Tuft),
+        ("scales", Self::Scales),
+        ("strap", Self::Strap),
+    ];
+}
+
+/// The leaves of a species.
+#[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
+#[non_exhaustive]
+pub struct LeafData {
+    /// What they are drawn with.
+    pub shape: LeafShape,
+    /// Length of a blade (of a shoot or tuft with its needles), metres.
+    pub length: f32,
+    /// Length of the petiole over that of the blade.
+    pub petiole: f32,
+    /// How they stand: `spiral`, `two-ranked`, `decussate` or `paired`.
+    pub stand: Stand,
+    /// Distance of one from the next along a shoot, metres, before the tree's leaf area is met.
+    pub spacing: f32,
+    /// How far from a shoot's end leaves may stand, metres.
+    pub reach: f32,
+    /// Angle to the shoot, degrees.
+    pub angle: f32,
+    /// How far they rise, or, if negative, hang; as [`Foliage::with_rise`](crate::foliage::Foliage::with_rise).
+    pub rise: f32,
+    /// How far they turn to the light, 0 to 1.
+    pub turn: f32,
+    /// By how much each is off, radians.
+    pub disorder: f32,
+    /// Whether they stay over the winter.
+    pub evergreen: bool,
+    /// Colour in summer, sRGB.
+    pub summer: [f32; 3],
+    /// Two colours between which they turn in autumn, sRGB.
+    pub autumn: [f32; 6],
+    /// Days of the year, of the northern half: first leaves, all leaves, first colours, last leaf.
+    pub days: [f32; 4],
+}
+
+impl Default for LeafData {
+    fn default() -> Self {
+        Self {
+            shape: LeafShape::Ovate,
+            length: 0.07,
+            petiole: 0.2,
+            stand: Stand::Spiral,
+            spacing: 0.03,
+            reach: 0.3,
+            angle: 52.0,
+            rise: 0.0,
+            turn: 0.7,
+            disorder: 0.35,
+            evergreen: false,
+            summer: [86.0, 122.0, 52.0],
+            autumn: [196.0, 150.0, 50.0, 150.0, 90.0, 40.0],
+            days: [105.0, 140.0, 265.0, 320.0],
+        }
+    }
+}
+
+impl LeafData {
+    pub(super) fn arrangement(&self) -> Arrangement {
+        match self.stand {
+            Stand::Spiral => Arrangement::SPIRAL,
+            Stand::TwoRanked => Arrangement::Alternate,
+            Stand::Decussate => Arrangement::Decussate,
+            Stand::Paired => Arrangement::Opposite,
+            Stand::Whorled => Arrangement::Whorled(3),
+        }
+    }
+}
+
+/// The kinds of bark.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
+#[non_exhaustive]
+pub enum BarkKind {
+    /// Even, with fine lines at most: beech.
+    #[default]
+    Smooth,
+    /// Deep furrows between ridges: oak, ash, walnut.
+    Fissured,
+    /// Plates: pine.
+    Plated,
+    /// Small scales: spruce, maple.
+    Scaly,
+    /// White, peeling in strips across: birch.
+    Papery,
+    /// Patches of several colours: plane, eucalyptus.
+    Mottled,
+    /// Lines of pores around: cherry.
+    Banded,
+    /// Strips of fibre: cypress.
+    Stringy,
+    /// Rings of leaf scars: palm.
+    Ringed,
+}
+
+impl Choice for BarkKind {
+    const NAMES: &'static [(&'static str, Self)] = &[
+        ("smooth", Self::Smooth),
+        ("fissured", Self::Fissured),
+        ("plated", Self::Plated),
+        ("scaly", Self::Scaly),
+        ("papery", Self::Papery),
+        ("mottled", Self::Mottled),
+        ("banded", Self::Banded),
+        ("stringy", Self::Stringy),
+        ("ringed", Self::Ringed),
+    ];
+}
+
+/// The bark of a species.
+#[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
+#[non_exhaustive]
+pub struct BarkData {
+    /// What it is like on an old trunk.
+    pub kind: BarkKind,
+    /// Colour of an old trunk, sRGB.
+    pub trunk: [f32; 3],
+    /// Colour of limbs, sRGB.
+    pub limbs: [f32; 3],
+    /// Colour of twigs, sRGB.
+    pub twigs: [f32; 3],
+}
+
+impl Default for BarkData {
+    fn default() -> Self {
+        Self {
+            kind: BarkKind::Smooth,
+            trunk: [112.0, 100.0, 86.0],
+            limbs: [112.0, 100.0, 86.0],
+            twigs: [92.0, 78.0, 64.0],
+        }
+    }
+}
+
+const COLOR: [f32; 2] = [0.0, 255.0];
+const PART: [f32; 2] = [0.0, 1.0];
+const METRES: [f32; 2] = [0.0, 200.0];
+const DEGREES: [f32; 2] = [-180.0, 180.0];
+
+impl Species {
+    /// Every field, in the order of the text form; for reading and for writing.
+    pub(super) fn fields(&mut self, fields: &mut impl Fields) {
+        fields.text("name", &mut self.name);
+        fields.text("latin", &mut self.latin);
+        fields.text("aliases", &mut self.aliases);
+        fields.text("about", &mut self.about);
+        fields.section("size");
+        let size = &mut self.size;
+        fields.numbers("height", &mut size.height, [0.1, 130.0]);
+        fields.numbers("diameter", &mut size.diameter, [0.005, 10.0]);
+        fields.number("usual_diameter", &mut size.usual_diameter, [0.005, 10.0]);
+        fields.numbers("height_at", &mut size.height_at, [0.5, 130.0]);
+        fields.numbers("width_at", &mut size.width_at, [0.1, 60.0]);
+        fields.numbers("leaf_area_at", &mut size.leaf_area_at, [0.1, 5000.0]);
+        fields.numbers("spread", &mut size.spread, PART);
+        fields.numbers("slenderness", &mut size.slenderness, [1.0, 400.0]);
+        fields.number("growth", &mut size.growth, [0.0001, 0.2]);
+        fields.section("trunk");
+        let trunk = &mut self.trunk;
+        fields.numbers("stems", &mut trunk.stems, [1.0, 40.0]);
+        fields.number("leader", &mut trunk.leader, [0.05, 1.0]);
+        fields.numbers("forks", &mut trunk.forks, [1.0, 12.0]);
+        fields.number("fork_angle", &mut trunk.fork_angle, [0.0, 90.0]);
+        fields.number("lean", &mut trunk.lean, [0.0, 45.0]);
+        fields.number("sweep", &mut trunk.sweep, [0.0, 45.0]);
+        fields.numbers("profile", &mut trunk.profile, [0.01, 1.2]);
+        fields.number("flare", &mut trunk.flare, [0.0, 3.0]);
+        fields.numbers("clear", &mut trunk.clear, [0.0, 0.97]);
+        fields.section("crown");
+        let crown = &mut self.crown;
+        fields.list("profile", &mut crown.profile, [0.0, 1.0], 2..=12);
+        fields.numbers("eccentricity", &mut crown.eccentricity, [0.0, 0.8]);
+        fields.number("roughness", &mut crown.roughness, [0.0, 0.6]);
+        fields.number("shed", &mut crown.shed, [0.0, 0.9]);
+        fields.section("limbs");
+        let limbs = &mut self.limbs;
+        fields.number("count", &mut limbs.count, [0.0, 400.0]);
+        fields.number("whorl_spacing", &mut limbs.whorl_spacing, [0.0, 10.0]);
+        fields.numbers("whorl", &mut limbs.whorl, [1.0, 20.0]);
+        fields.number("between", &mut limbs.between, [0.0, 40.0]);
+        fields.numbers("angle", &mut limbs.angle, DEGREES);
+        fields.number("angle_spread", &mut limbs.angle_spread, [0.0, 60.0]);
+        fields.numbers("rise", &mut limbs.rise, DEGREES);
+        fields.numbers("rise_at_end", &mut limbs.rise_at_end, DEGREES);
+        fields.number("unequal", &mut limbs.unequal, PART);
+        fields.number("crooked", &mut limbs.crooked, [0.0, 90.0]);
+        fields.number("bare", &mut limbs.bare, PART);
+        fields.numbers("length", &mut limbs.length, METRES);
+        fields.section("branches");
+        self.branches.fields(fields);
+        fields.section("twigs");
+        self.twigs.fields(fields);
+        fields.section("shoots");
+        let shoots = &mut self.shoots;
+        fields.number("radius", &mut shoots.radius, [0.1, 100.0]);
+        fields.number("radius_cv", &mut shoots.radius_cv, [0.0, 0.5]);
+        fields.number("length", &mut shoots.length, [0.005, 3.0]);
+        fields.number("length_spread", &mut shoots.length_spread, [0.0, 2.0]);
+        fields.number("short", &mut shoots.short, PART);
+        fields.number("short_length", &mut shoots.short_length, [0.001, 0.5]);
+        fields.number("spacing", &mut shoots.spacing, [0.005, 5.0]);
+        fields.number("angle", &mut shoots.angle, [0.0, 180.0]);
+        fields.number("rise", &mut shoots.rise, [-10.0, 10.0]);
+        fields.choice("stand", &mut shoots.stand);
+        fields.section("leaves");
+        self.leaves.fields(fields);
+        fields.section("bark");
+        let bark = &mut self.bark;
+        fields.choice("kind", &mut bark.kind);
+        fields.numbers("trunk", &mut bark.trunk, COLOR);
+        fields.numbers("limbs", &mut bark.limbs, COLOR);
+        fields.numbers("twigs", &mut bark.twigs, COLOR);
+    }
+}
+
+impl Laterals {
+    fn fields(&mut self, fields: &mut impl Fields) {
+        fields.choice("stand", &mut self.stand);
+        fields.number("spacing", &mut self.spacing, [0.01, 20.0]);
+        fields.number("angle", &mut self.angle, [0.0, 180.0]);
+        fields.number("angle_spread", &mut self.angle_spread, [0.0, 60.0]);
+        fields.number("ratio", &mut self.ratio, [0.0, 10.0]);
+        fields.numbers("length", &mut self.length, METRES);
+        fields.number("rise", &mut self.rise, [-10.0, 10.0]);
+        fields.number("flat", &mut self.flat, PART);
+        fields.number("crooked", &mut self.crooked, [0.0, 90.0]);
+        fields.number("bare", &mut self.bare, PART);
+        fields.number("unequal", &mut self.unequal, PART);
+    }
+}
+
+impl LeafData {
+    fn fields(&mut self, fields: &mut impl Fields) {
+        fields.choice("shape", &mut self.shape);
+        fields.number("length", &mut self.length, [0.001, 12.0]);
+        fields.number("petiole", &mut self.petiole, [0.0, 3.0]);
+        fields.choice("stand", &mut self.stand);
+        fields.number("spacing", &mut self.spacing, [0.001, 2.0]);
+        fields.number("reach", &mut self.reach, [0.001, 20.0]);
+        fields.number("angle", &mut self.angle, [0.0, 180.0]);
+        fields.number("rise", &mut self.rise, [-10.0, 10.0]);
+        fields.number("turn", &mut self.turn, PART);
+        fields.number("disorder", &mut self.disorder, PART);
+        fields.flag("evergreen", &mut self.evergreen);
+        fields.numbers("summer", &mut self.summer, COLOR);
+        fields.numbers("autumn", &mut self.autumn, COLOR);
+        fields.numbers("days", &mut self.days, [1.0, 366.0]);
+    }
+}

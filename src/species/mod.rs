@@ -1,0 +1,58 @@
+//! Trees by name: species as data, grown to the height, trunk or age that is asked for.
+//!
+//! [`by_name`] finds a species, [`Species::request`] says what is wished for, [`Request::grow`] gives a [`Specimen`]:
+//! skeleton, radii, leaves and the numbers behind them. A species is a text ([`Species::parse`]); `docs/species.md`
+//! explains how to write one's own.
+//!
+//! ```
+//! use treesynth::species;
+//!
+//! let oak = species::by_name("Quercus robur")?;
+//! let tree = oak.request().with_dbh(0.3).with_seed(1).grow()?;
+//! assert!((tree.numbers.dbh - 0.3).abs() < 0.003);
+//! println!("{:.1} m tall, {:.0} m² of leaves", tree.numbers.height, tree.numbers.leaf_area);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+
+mod architecture;
+mod data;
+mod draw;
+mod dress;
+mod names;
+mod outline;
+mod request;
+mod shade;
+mod specimen;
+mod sprig;
+mod text;
+mod thickness;
+mod wood;
+
+#[cfg(test)]
+mod tests;
+
+pub use data::{
+    BarkData, BarkKind, Crown, Laterals, LeafData, LeafShape, Limbs, Shoots, Size, Species, Stand, Trunk,
+};
+pub use names::{UnknownSpecies, all, by_name};
+pub use request::{Numbers, Request};
+pub use specimen::Specimen;
+pub use text::SpeciesTextError;
+
+use crate::foliage::FoliageError;
+use crate::{ParameterError, SkeletonError};
+
+/// Why there is no tree.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum SpeciesError {
+    /// A wish that the species cannot meet.
+    #[error(transparent)]
+    Wish(#[from] ParameterError),
+    /// Its data make a skeleton that is none.
+    #[error(transparent)]
+    Skeleton(#[from] SkeletonError),
+    /// Its data make leaves that cannot be placed.
+    #[error(transparent)]
+    Foliage(#[from] FoliageError),
+}

@@ -1,0 +1,157 @@
+//! A grown tree of a species.
+
+use super::SpeciesError;
+use super::architecture::{self, Scale};
+use super::data::Species;
+use super::draw::Draw;
+use super::dress;
+use super::request::Numbers;
+use super::thickness;
+use super::wood::{Rank, Wood};
+use crate::Skeleton;
+use crate::foliage::Leaves;
+use crate::math;
+use crate::surface::{Material, Mesh, SurfaceError, Tubes};
+use std::f32::consts::TAU;
+
+/// A tree of a species: what [`Request::grow`](super::Request::grow) gives.
+#[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
+pub struct Specimen {
+    /// The species it is of.
+    pub species: Species,
+    /// Its branches with their radii; orders are those of its axes, stages its ranks: 0 stems, 1 limbs, 2 branches, 3
+    /// twigs, 4 shoots.
+    pub skeleton: Skeleton,
+    /// Its leaves on that day, each in its tone; none in winter.
+    pub leaves: Option<Leaves>,
+    /// The numbers it was grown by, with those that are measured on it.
+    pub numbers: Numbers,
+    /// The seed.
+    pub seed: u64,
+}
+
+impl Specimen {
+    /// The bark of the trunk as a plain material.
+    pub fn bark(&self) -> Material {
+        Material::bark().with_srgb(self.species.bark.trunk.map(|channel| channel as u8))
+    }
+
+    /// The tubes of the tree with a colour at each vertex, from old bark on the trunk to young bark on the twigs; to be
+    /// drawn with [`Material::white`].
+    ///
+    /// # Errors
+    /// As [`Tubes::mesh`].
+    pub fn bark_mesh(&self, tubes: &Tubes) -> Result<Mesh, SurfaceError> {
+        let mut mesh = tubes.clone().with_wind(true).mesh(&self.skeleton)?;
+        let bark = &self.species.bark;
+        let linear = |encoded: [f32; 3]| encoded.map(|channel| math::linear(channel / 255.0));
+        let [trunk, limbs, twigs] = [bark.trunk, bark.limbs, bark.twigs].map(linear);
+        let foot = self.skeleton.radii()[0];
+        let smooth = |t: f32| {
+            let t = t.clamp(0.0, 1.0);
+            t * t * (3.0 - 2.0 * t)
+        };
+        let half = 0.5 * self.numbers.dbh;
+        mesh.colors = mesh
+            .wind
+            .iter()
+            .map(|wind| {
+                let radius = wind.stiffness * foot;
+                let old = smooth((radius / half - 0.45) / 0.35);
+                let young = 1.0 - smooth((radius - 0.004) / (0.1 * half).clamp(0.004, 0.02));
+                [0, 1, 2].map(|i| {
+                    let wood = limbs[i] + (trunk[i] - limbs[i]) * old;
+                    wood + (twigs[i] - wood) * young
+                })
+            })
+            .collect();
+        mesh.wind = Vec::new();
+        Ok(mesh)
+    }
+}
+
+/// How often a tree is grown until its crown is as wide as wished for.
+const TRIALS: usize = 3;
+
+pub(super) fn grow(species: &Species, plan: Numbers, seed: u64) -> Result<Specimen, SpeciesError> {
+    let mut scale = Scale { radius: 1.0, density: 1.0 };
+    let leaves = dress::wanted(species, plan.leaf_area);
+    let mut wood = architecture::grow(species, &plan, scale, seed);
+    for _ in 0..TRIALS {
+        let width = crown_width(&wood) * plan.height / height(&wood);
+        let off = plan.crown_width / width.max(0.01);
+        let dense = leaves / room(species, &wood);
+        if (0.97..1.03).contains(&off) && (0.8..1.25).contains(&dense) {
+            break;
+        }
+        scale.radius = (scale.radius * off).clamp(0.3, 3.0);
+        scale.density = (scale.density * math::powf(dense, 0.7)).clamp(0.3, 3.0);
+        wood = architecture::grow(species, &plan, scale, seed);
+    }
+    // To the height wished for, exactly.
+    let factor = plan.height / height(&wood);
+    for position in &mut wood.positions {
+        *position *= factor;
+    }
+    let radii = thickness::radii(species, &wood, &plan, Draw::new(seed).child(30, 0));
+    let mut numbers = plan;
+    numbers.height = height(&wood);
+    numbers.dbh = 2.0 * thickness::at_breast(&wood, &radii);
+    numbers.crown_width = crown_width(&wood);
+    numbers.crown_base = crown_base(&wood).unwrap_or(numbers.crown_base);
+    let parents =
+        wood.parents.iter().enumerate().map(|(node, &parent)| (node > 0).then_some(parent)).collect();
+    let stages = wood.ranks.iter().map(|&rank| rank as u16).collect();
+    let skeleton = Skeleton::new(wood.positions, parents)?.with_radii(radii)?.with_stages(stages)?;
+    let skeleton = skeleton.with_orders(wood.orders)?;
+    let (dressed, area) = dress::dress(species, &skeleton, plan.leaf_area, plan.day, seed)?;
+    numbers.leaf_area = area;
+    Ok(Specimen { species: species.clone(), skeleton, leaves: dressed, numbers, seed })
+}
+
+fn height(wood: &Wood) -> f32 {
+    wood.positions.iter().fold(0.01, |top, position| top.max(position.y))
+}
+
+/// Twice the mean of the crown's radii in eight directions.
+fn crown_width(wood: &Wood) -> f32 {
+    let mut radii = [0.0f32; 8];
+    for position in &wood.positions {
+        let out = (position.x * position.x + position.z * position.z).sqrt();
+        let azimuth = math::atan2(position.z, position.x);
+        let sector = ((azimuth / TAU + 1.0) * 8.0) as usize % 8;
+        radii[sector] = radii[sector].max(out);
+    }
+    2.0 * radii.iter().sum::<f32>() / 8.0
+}
+
+/// The height of the lowest limb's base; none if there are no limbs.
+fn crown_base(wood: &Wood) -> Option<f32> {
+    let bases = (1..wood.positions.len()).filter(|&node| {
+        wood.ranks[node] == Rank::Limb && wood.ranks[wood.parents[node] as usize] == Rank::Stem
+    });
+    bases.map(|node| wood.positions[wood.parents[node] as usize].y).reduce(f32::min)
+}
+
+/// For how many leaves there is room at the spacing of the species.
+fn room(species: &Species, wood: &Wood) -> f32 {
+    let data = &species.leaves;
+    let each = data.arrangement().per_whorl() as f32;
+    let mut lengths = vec![0.0f32; wood.positions.len()];
+    let mut room = 0.0;
+    let mut bears = vec![false; wood.positions.len()];
+    for node in 1..wood.positions.len() {
+        bears[wood.parents[node] as usize] = true;
+    }
+    for node in 1..wood.positions.len() {
+        let parent = wood.parents[node] as usize;
+        if wood.ranks[node] == Rank::Shoot {
+            lengths[node] = lengths[parent] + wood.positions[node].distance(wood.positions[parent]);
+            if !bears[node] {
+                room += each * ((lengths[node].min(data.reach) / data.spacing).floor() + 1.0);
+            }
+        }
+    }
+    room.max(1.0)
+}

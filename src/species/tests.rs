@@ -1,0 +1,323 @@
+//! Every species built in: its text, its names, and that trees are as they are wished for.
+
+use super::data::{BarkKind, LeafShape, Species};
+use super::names::TEXTS;
+use super::{SpeciesError, Specimen, all, by_name};
+use crate::math;
+use crate::radius::check_radii;
+use glam::Vec3;
+use std::collections::BTreeSet;
+use std::error::Error;
+
+/// The number of species built in.
+const SPECIES: usize = 24;
+
+#[test]
+fn every_text_is_a_species() {
+    for (file, text) in TEXTS {
+        let species = Species::parse(text).unwrap_or_else(|error| panic!("{file}: {error}"));
+        assert_eq!(Species::parse(&species.to_text()).as_ref(), Ok(&species), "{file}");
+        assert!(!species.latin.is_empty() && !species.about.is_empty(), "{file}");
+    }
+    assert_eq!((TEXTS.len(), all().len()), (SPECIES, SPECIES));
+}
+
+#[test]
+fn every_name_finds_its_species() -> Result<(), Box<dyn Error>> {
+    let mut seen = BTreeSet::new();
+    for species in all() {
+        for name in super::names::names(species) {
+            assert!(seen.insert(name.to_lowercase()), "{name} is given twice");
+            for form in [name.to_owned(), name.to_uppercase(), name.replace(' ', "-"), format!(" {name} ")] {
+                assert_eq!(by_name(&form)?.name, species.name, "{form:?}");
+            }
+        }
+    }
+    for unknown in ["", "oaken", "silver brich", "Quercus", "\u{0}"] {
+        let error = by_name(unknown).expect_err(unknown);
+        assert!(error.near.len() == 4 && error.to_string().contains(&error.near[0]), "{error}");
+    }
+    assert_eq!(by_name("silver brich").expect_err("a slip").near[0], "silver birch");
+    assert!(by_name("Quercus").expect_err("half a name").near.contains(&"Quercus robur".to_owned()));
+    Ok(())
+}
+
+#[test]
+fn wrong_texts_are_told_by_line_and_field() {
+    let cases = [
+        ("[size]\nheight = [2, 9]", "line 2: name: is missing or empty"),
+        ("name = \"x\"\nheight = 3", "line 2: height: there is no such field; did you mean size.height?"),
+        ("name = \"x\"\n[size]\nheight = [2, 900]", "line 3: size.height: is 900, but must be 0.1 to 130"),
+        (
+            "name = \"x\"\n[size]\nheight = [9, 2]",
+            "line 3: size.height: is [9, 2], but the first may not be greater",
+        ),
+        ("name = \"x\"\n[size]\nheight = 7", "line 3: size.height: has 1 numbers, but must have 2"),
+        ("name = \"x\"\n[size]\nheight = [2, NaN]", "line 3: size.height: is NaN, but must be 0.1 to 130"),
+        (
+            "name = \"x\"\n[size]\nheight = [2, tall]",
+            "line 3: size.height: is \"tall\", but must be a number",
+        ),
+        ("name = x", "line 1: name: is x, but must be a text in double quotes"),
+        ("name = \"x\"\nname = \"y\"", "line 2: name: is given twice"),
+        ("name = \"x\"\nnonsense", "line 2: nonsense: expected `name = value` or `[section]`"),
+        (
+            "name = \"x\"\n[leaves]\nevergreen = yes",
+            "line 3: leaves.evergreen: is yes, but must be true or false",
+        ),
+        (
+            "name = \"x\"\n[crown]\nprofile = [1]",
+            "line 3: crown.profile: has 1 numbers, but must have 2 to 12",
+        ),
+        (
+            "name = \"x\"\n[size]\nusual_diameter = 9",
+            "line 3: size.usual_diameter: must lie within size.diameter",
+        ),
+    ];
+    for (text, message) in cases {
+        assert_eq!(Species::parse(text).expect_err(text).to_string(), message);
+    }
+    let error =
+        Species::parse("name = \"x\"\n[bark]\nkind = \"furry\"").expect_err("no such bark").to_string();
+    assert!(error.starts_with("line 3: bark.kind: is \"furry\", but must be one of \"smooth\", "), "{error}");
+}
+
+#[test]
+fn a_text_of_a_name_alone_grows() -> Result<(), Box<dyn Error>> {
+    let tree = Species::parse("name = \"mine\" # with a comment")?.request().grow()?;
+    tree.skeleton.check()?;
+    assert!(tree.leaves.is_some() && tree.species.bark.kind == BarkKind::Smooth);
+    assert_eq!(tree.species.leaves.shape, LeafShape::Ovate);
+    Ok(())
+}
+
+/// Smallest, and by trunk and by height; quick to grow.
+#[test]
+fn trees_are_as_wished_for() -> Result<(), Box<dyn Error>> {
+    for species in all() {
+        let [low, high] = species.size.height;
+        for (seed, part) in [(1, 0.0), (2, 0.12), (3, 0.3)] {
+            let height = low + (high.min(25.0) - low) * part;
+            let tree = species.request().with_height(height).with_seed(seed).grow()?;
+            tree.skeleton.check()?;
+            check_radii(&tree.skeleton, tree.skeleton.radii())?;
+            let top = tree.skeleton.positions().iter().fold(0.0f32, |top, place| top.max(place.y));
+            let name = &species.name;
+            assert!((top / height - 1.0).abs() < 0.01, "{name}: {top} m for {height} m");
+            assert!((tree.numbers.height - top).abs() < 1e-3);
+            let floor = tree.skeleton.positions().iter().fold(0.0f32, |floor, place| floor.min(place.y));
+            assert!(floor >= 0.0, "{name}: a node {floor} m high");
+        }
+        let [thin, thick] = species.size.diameter;
+        for (seed, part) in [(4, 0.05), (5, 0.15)] {
+            let dbh = thin + (thick - thin) * part;
+            let tree = species.request().with_dbh(dbh).with_seed(seed).grow()?;
+            if tree.numbers.height > 1.5 {
+                let measured = diameter(&tree.skeleton);
+                assert!((measured / dbh - 1.0).abs() < 0.01, "{}: {measured} m for {dbh} m", species.name);
+            }
+        }
+    }
+    Ok(())
+}
+
+/// The trunk's diameter at 1.3 m: a tape's measure by linear interpolation between nodes.
+fn diameter(skeleton: &crate::Skeleton) -> f32 {
+    let mut at = (0.0, skeleton.radii()[0]);
+    for (node, _) in skeleton.edges().filter(|(node, _)| skeleton.orders()[*node] == 0) {
+        let here = (skeleton.positions()[node].y, skeleton.radii()[node]);
+        if here.0 >= 1.3 {
+            return 2.0 * (at.1 + (here.1 - at.1) * (1.3 - at.0) / (here.0 - at.0));
+        }
+        at = here;
+    }
+    2.0 * at.1
+}
+
+#[test]
+fn what_no_tree_is_like_is_an_error_that_names_the_range() {
+    let nan = f32::NAN;
+    for species in all() {
+        let [low, high] = species.size.height;
+        let request = || species.request();
+        for (wish, what) in [
+            (request().with_height(high * 1.01), "height"),
+            (request().with_height(low * 0.98), "height"),
+            (request().with_height(nan), "height"),
+            (request().with_dbh(species.size.diameter[1] * 1.1), "dbh"),
+            (request().with_dbh(-1.0), "dbh"),
+            (request().with_age(0.0), "age"),
+            (request().with_age(1e9), "age"),
+            (request().in_a_stand(0.0), "spacing"),
+            (request().with_day(367.0), "day"),
+            (request().with_day(nan), "day"),
+        ] {
+            let Err(SpeciesError::Wish(error)) = wish.grow() else { panic!("{}: {what}", species.name) };
+            assert_eq!(error.parameter, format!("{what} of {}", species.name));
+            assert!(error.range.contains(" to "), "{error}");
+        }
+        // Each can be had, but not both on one tree.
+        let [thin, thick] = [species.size.diameter[0], species.size.diameter[1]];
+        let tall = request().with_height(high).with_dbh(thin).grow();
+        let short = request().with_height(low).with_dbh(thick).grow();
+        assert!(tall.is_err() && short.is_err(), "{}", species.name);
+    }
+}
+
+#[test]
+fn an_oak_of_sixty_metres() -> Result<(), Box<dyn Error>> {
+    let error = by_name("English oak")?.request().with_height(60.0).grow().expect_err("too tall");
+    assert_eq!(error.to_string(), "height of English oak is 60 m, but must be 2 to 35 m");
+    Ok(())
+}
+
+#[test]
+fn one_seed_one_tree_two_seeds_two() -> Result<(), Box<dyn Error>> {
+    for species in all() {
+        let height = (species.size.height[0] * 1.5).max(2.0);
+        let tree = |seed| species.request().with_height(height).with_seed(seed).grow();
+        let (one, again, other) = (tree(1)?, tree(1)?, tree(2)?);
+        assert_eq!(one, again, "{}", species.name);
+        assert_ne!(one.skeleton, other.skeleton, "{}", species.name);
+    }
+    Ok(())
+}
+
+#[test]
+fn leaves_come_and_go_with_the_year() -> Result<(), Box<dyn Error>> {
+    for species in all() {
+        let height = (species.size.height[0] * 2.0).max(2.5);
+        let count = |day: f32| {
+            let tree = species.request().with_height(height).with_day(day).grow()?;
+            Ok::<_, SpeciesError>(tree.leaves.map_or(0, |leaves| leaves.instances.len()))
+        };
+        let [_, _, turn, fall] = species.leaves.days;
+        let late = (turn + 0.85 * (fall - turn)).floor();
+        let [winter, summer, autumn] = [count(15.0)?, count(190.0)?, count(late)?];
+        assert!(summer > 0, "{}", species.name);
+        if species.leaves.evergreen {
+            assert_eq!((winter, autumn), (summer, summer), "{}", species.name);
+        } else {
+            assert!(winter == 0 && autumn < summer, "{}: {winter}, {autumn}, {summer}", species.name);
+        }
+    }
+    Ok(())
+}
+
+#[test]
+fn neighbours_make_it_slender() -> Result<(), Box<dyn Error>> {
+    for name in ["Norway spruce", "Scots pine", "silver birch", "beech"] {
+        let species = by_name(name)?;
+        let request = species.request().with_height(9.0).with_seed(3);
+        let (open, stand) = (request.plan()?, request.clone().in_a_stand(1.5).plan()?);
+        assert!(stand.crown_width < open.crown_width && stand.crown_base > open.crown_base, "{name}");
+        assert!(stand.dbh < open.dbh && stand.leaf_area < open.leaf_area, "{name}");
+        assert_eq!(request.clone().in_a_stand(50.0).plan()?, open, "{name}");
+    }
+    Ok(())
+}
+
+/// What tells the species of a small tree.
+fn features(tree: &Specimen) -> Vec<f64> {
+    let (skeleton, numbers) = (&tree.skeleton, &tree.numbers);
+    let mean = |values: &[f64]| values.iter().sum::<f64>() / values.len().max(1) as f64;
+    let tips: Vec<f64> = skeleton.tips().map(|tip| f64::from(math::ln(skeleton.radii()[tip]))).collect();
+    let leaves = tree.leaves.as_ref().map_or(&[][..], |leaves| &leaves.instances);
+    let sizes: Vec<f64> = leaves.iter().map(|leaf| f64::from(math::ln(leaf.scale))).collect();
+    let level: Vec<f64> =
+        leaves.iter().map(|leaf| f64::from((leaf.rotation_matrix() * Vec3::Z).y.abs())).collect();
+    let (mut limbs, mut shoots) = (Vec::new(), Vec::new());
+    for (node, parent) in skeleton.edges() {
+        let way = skeleton.positions()[node] - skeleton.positions()[parent];
+        match skeleton.stages()[node] {
+            1 if skeleton.stages()[parent] == 0 => limbs.push(f64::from(way.normalize_or_zero().y)),
+            4 => shoots.push(f64::from(way.normalize_or_zero().y)),
+            _ => {}
+        }
+    }
+    vec![
+        f64::from(math::ln(numbers.height / numbers.dbh)),
+        f64::from(math::ln(numbers.crown_width / numbers.height)),
+        f64::from(numbers.crown_base / numbers.height),
+        mean(&tips),
+        mean(&sizes),
+        mean(&level),
+        mean(&limbs),
+        mean(&shoots),
+        f64::from(math::ln((limbs.len() as f32).max(1.0))),
+    ]
+}
+
+#[test]
+fn species_can_be_told_apart() -> Result<(), Box<dyn Error>> {
+    const SEEDS: usize = 5;
+    let mut trees = Vec::new();
+    for species in all() {
+        for seed in 0..SEEDS as u64 {
+            trees.push(features(&species.request().with_height(5.0).with_seed(seed).grow()?));
+        }
+    }
+    let width = trees[0].len();
+    let group = |species: usize| &trees[species * SEEDS..(species + 1) * SEEDS];
+    let mean =
+        |species: usize, at: usize| group(species).iter().map(|row| row[at]).sum::<f64>() / SEEDS as f64;
+    let spread = |at: usize| {
+        let squares = (0..SPECIES).flat_map(|species| group(species).iter().map(move |row| (species, row)));
+        let sum: f64 = squares.map(|(species, row)| (row[at] - mean(species, at)).powi(2)).sum();
+        (sum / trees.len() as f64).sqrt().max(1e-6)
+    };
+    let spreads: Vec<f64> = (0..width).map(spread).collect();
+    let mut wrong = Vec::new();
+    for (index, tree) in trees.iter().enumerate() {
+        let own = index / SEEDS;
+        // The mean of its species without the tree itself.
+        let distance = |species: usize| -> f64 {
+            let square = |at: usize| {
+                let all = mean(species, at);
+                let rest = all + (all - tree[at]) / (SEEDS as f64 - 1.0);
+                ((tree[at] - if species == own { rest } else { all }) / spreads[at]).powi(2)
+            };
+            (0..width).map(square).sum()
+        };
+        let named = (0..SPECIES).min_by(|a, b| distance(*a).total_cmp(&distance(*b))).unwrap_or(own);
+        if named != own {
+            wrong.push(format!("{} for {}", all()[own].name, all()[named].name));
+        }
+    }
+    assert!(wrong.len() * 20 <= trees.len(), "{} of {}: {wrong:?}", wrong.len(), trees.len());
+    Ok(())
+}
+
+/// FNV-1a of the bits of places and radii.
+fn hash(tree: &Specimen) -> u64 {
+    let places = tree.skeleton.positions().iter().flat_map(Vec3::to_array);
+    let leaves =
+        tree.leaves.iter().flat_map(|leaves| &leaves.instances).flat_map(|leaf| leaf.position.to_array());
+    let numbers = places.chain(tree.skeleton.radii().iter().copied()).chain(leaves);
+    numbers.fold(0xcbf2_9ce4_8422_2325, |hash, number| {
+        (hash ^ u64::from(number.to_bits())).wrapping_mul(0x0000_0100_0000_01b3)
+    })
+}
+
+#[test]
+fn a_few_trees_are_pinned() -> Result<(), Box<dyn Error>> {
+    let grown = |name: &str| -> Result<u64, Box<dyn Error>> {
+        Ok(hash(&by_name(name)?.request().with_height(4.0).with_seed(1).grow()?))
+    };
+    let hashes = [
+        grown("English oak")?,
+        grown("Norway spruce")?,
+        grown("silver birch")?,
+        grown("hazel")?,
+        grown("palm")?,
+    ];
+    assert_eq!(hashes, PINNED);
+    Ok(())
+}
+const PINNED: [u64; 5] = [
+    5_550_886_764_353_559_521,
+    5_569_327_459_333_709_865,
+    2_436_095_927_829_343_505,
+    16_584_895_027_756_445_903,
+    13_887_643_585_467_057_072,
+];
