@@ -47,7 +47,6 @@ impl Specimen {
         let bark = &self.species.bark;
         let linear = |encoded: [f32; 3]| encoded.map(|channel| math::linear(channel / 255.0));
         let [trunk, limbs, twigs] = [bark.trunk, bark.limbs, bark.twigs].map(linear);
-        let foot = self.skeleton.radii()[0];
         let smooth = |t: f32| {
             let t = t.clamp(0.0, 1.0);
             t * t * (3.0 - 2.0 * t)
@@ -57,7 +56,7 @@ impl Specimen {
             .wind
             .iter()
             .map(|wind| {
-                let radius = wind.stiffness * foot;
+                let radius = self.skeleton.radii()[wind.node as usize];
                 let old = smooth((radius / half - 0.45) / 0.35);
                 let young = 1.0 - smooth((radius - 0.004) / (0.1 * half).clamp(0.004, 0.02));
                 [0, 1, 2].map(|i| {
