@@ -18,19 +18,22 @@ use common::{Failure, Outputs, number, print, text};
 use lexopt::prelude::*;
 use std::fs;
 use std::path::PathBuf;
-use treesynth::export::{GlbOptions, write_glb_parts};
-use treesynth::species::{self, Request, Species, Specimen};
-use treesynth::surface::{Material, Part, Tubes};
+use treesynth::asset::{Asset, Impostor};
+use treesynth::export::{GlbOptions, write_glb_levels};
+use treesynth::species::{self, Request, Species};
 
 const USAGE: &str = "\
 Usage: species (--list | --species NAME | --file TEXT | --sheet | --table | --classify) [options]
   --list              the names of all species
-  --species NAME      grow one: English or Latin name; writes NAME.glb and NAME.png
+  --species NAME      grow one: English or Latin name; writes NAME.glb, with two
+                      coarser levels and an impostor, and NAME.png
   --file TEXT         the same, of a species that is read from a text file
   --height M, --dbh M, --age YEARS
   --stand M           in a stand of that spacing; otherwise in the open
   --day DAY           day of the year, 1 to 366 [196]
   --seed N            [0]
+  --budget N          triangles of the finest level, 100 to 100000000, or none [20000]
+  --textures N        side of the images, pixels: a power of two, 128 to 8192 [512]
   --sheet             all species, bare and in leaf, at one scale: species.png
   --table             measures beside published figures, as Markdown
   --classify          how many trees are named right by the nearest centroid of their measures
@@ -58,6 +61,8 @@ struct Options {
     day: Option<f32>,
     seed: u64,
     seeds: u64,
+    budget: Option<usize>,
+    textures: u32,
     out: PathBuf,
 }
 
@@ -69,7 +74,8 @@ fn main() {
 }
 
 fn options() -> Result<Option<Options>, Failure> {
-    let mut options = Options { seeds: 20, out: "out".into(), ..Options::default() };
+    let mut options =
+        Options { seeds: 20, budget: Some(20_000), textures: 512, out: "out".into(), ..Options::default() };
     let mut arguments = lexopt::Parser::from_env();
     let metres = 0.0..=1000.0;
     while let Some(argument) = arguments.next()? {
@@ -87,6 +93,25 @@ fn options() -> Result<Option<Options>, Failure> {
             Long("day") => options.day = Some(number(&mut arguments, "--day", 1.0..=366.0, "")?),
             Long("seed") => options.seed = number(&mut arguments, "--seed", 0..=u64::MAX, "")?,
             Long("seeds") => options.seeds = number(&mut arguments, "--seeds", 2..=1000, "")?,
+            Long("budget") => {
+                options.budget = match text(&mut arguments, "--budget")?.as_str() {
+                    "none" => None,
+                    number => Some(
+                        number
+                            .parse()
+                            .ok()
+                            .filter(|budget| (100..=100_000_000).contains(budget))
+                            .ok_or_else(|| {
+                                format!(
+                                    "--budget is {number:?}, but must be 100 to 100000000 triangles or none"
+                                )
+                            })?,
+                    ),
+                }
+            }
+            Long("textures") => {
+                options.textures = number(&mut arguments, "--textures", 128..=8192, "pixels")?
+            }
             Long("out") => options.out = text(&mut arguments, "--out")?.into(),
             Long("help") | Short('h') => {
                 print([USAGE]);
@@ -153,13 +178,14 @@ fn one(species: &Species, options: &Options) -> Result<(), Failure> {
     let tree = request(species, options).grow()?;
     let mut outputs = Outputs::new("--out", &options.out)?;
     let name = species.name.replace(' ', "-").to_lowercase();
-    let bark = tree.bark_mesh(&Tubes::default().with_root_flare(0.0))?;
-    let parts = parts(&tree, &bark);
+    let mut levels = tree.levels(options.budget, options.textures, &[1.0, 0.3, 0.08])?;
+    levels.push(Impostor::default().billboards(&levels[0].parts())?);
+    let levels: Vec<_> = levels.iter().map(Asset::parts).collect();
     let path = outputs.path(&format!("{name}.glb"));
     outputs.write(&path, |writer| {
-        Ok(write_glb_parts(&parts, &GlbOptions::default().with_name(&name), writer)?)
+        Ok(write_glb_levels(&levels, &GlbOptions::default().with_name(&name), writer)?)
     })?;
-    let picture = sheet::portrait(&parts)?;
+    let picture = sheet::portrait(&levels[0])?;
     let path = outputs.path(&format!("{name}.png"));
     outputs.write(&path, |writer| Ok(picture.write_png(writer)?))?;
     outputs.finish()?;
@@ -177,9 +203,4 @@ fn one(species: &Species, options: &Options) -> Result<(), Failure> {
         numbers.leaf_area,
     )]);
     Ok(())
-}
-
-fn parts<'a>(tree: &'a Specimen, bark: &'a treesynth::surface::Mesh) -> Vec<Part<'a>> {
-    let wood = Part::new(bark).with_material(Material::white());
-    [wood].into_iter().chain(tree.leaves.as_ref().map(treesynth::foliage::Leaves::part)).collect()
 }

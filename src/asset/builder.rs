@@ -35,6 +35,7 @@ const GAIN: (f32, f32) = (0.6, 1.6);
 pub struct AssetBuilder {
     bark: Material,
     bark_textures: Option<Arc<Textures>>,
+    twigs: Option<Material>,
     tubes: Tubes,
     foliage: Option<Foliage>,
     triangles: Option<usize>,
@@ -51,6 +52,7 @@ impl Default for AssetBuilder {
         Self {
             bark: Material::bark(),
             bark_textures: None,
+            twigs: None,
             tubes: Tubes::default(),
             foliage: None,
             triangles: Some(10_000),
@@ -72,6 +74,12 @@ impl AssetBuilder {
     /// The images that the bark wears; default none.
     pub fn with_bark_textures(mut self, textures: Textures) -> Self {
         self.bark_textures = Some(Arc::new(textures));
+        self
+    }
+
+    /// How the wood on cards looks; by default as the bark in the mean colour of its images.
+    pub fn with_twigs(mut self, material: Material) -> Self {
+        self.twigs = Some(material);
         self
     }
 
@@ -119,8 +127,11 @@ impl AssetBuilder {
         self
     }
 
-    /// The bark in the mean colour of its images, for twigs on cards.
-    fn bark_without_images(&self) -> Material {
+    /// The wood on cards, which has no images.
+    fn wood(&self) -> Material {
+        if let Some(twigs) = self.twigs {
+            return twigs;
+        }
         let image = self.bark_textures.as_ref().and_then(|textures| textures.base_color());
         let mean = image.map_or([1.0; 3], Image::mean_color);
         let own = self.bark.color();
@@ -164,6 +175,7 @@ impl AssetBuilder {
             textures.check()?;
         }
         self.bark.check()?;
+        self.wood().check()?;
         Ok(())
     }
 
@@ -298,7 +310,7 @@ impl<'a> Tree<'a> {
             skeleton: self.skeleton,
             dresses: &self.dresses,
             all: &self.all,
-            bark: self.builder.bark_without_images(),
+            bark: self.builder.wood(),
             bare: &bare,
             cluster_of: &cluster_of,
         };

@@ -109,6 +109,10 @@ impl Asset {
         &self.bark.mesh
     }
 
+    pub(crate) fn bark_mut(&mut self) -> &mut Mesh {
+        &mut self.bark.mesh
+    }
+
     /// How many leaves are shown as they are.
     pub fn leaves(&self) -> usize {
         self.leaves.iter().map(|piece| piece.instances.len()).sum()

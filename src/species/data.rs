@@ -442,12 +442,14 @@ impl LeafData {
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize))]
 #[non_exhaustive]
-pub enum BarkKind {
+pub enum BarkForm {
     /// Even, with fine lines at most: beech.
     #[default]
     Smooth,
-    /// Deep furrows between ridges: oak, ash, walnut.
+    /// Deep furrows between ridges: oak, lime, willow.
     Fissured,
+    /// A net of ridges with diamonds between them: ash, walnut.
+    Netted,
     /// Plates: pine.
     Plated,
     /// Small scales: spruce, maple.
@@ -464,10 +466,11 @@ pub enum BarkKind {
     Ringed,
 }
 
-impl Choice for BarkKind {
+impl Choice for BarkForm {
     const NAMES: &'static [(&'static str, Self)] = &[
         ("smooth", Self::Smooth),
         ("fissured", Self::Fissured),
+        ("netted", Self::Netted),
         ("plated", Self::Plated),
         ("scaly", Self::Scaly),
         ("papery", Self::Papery),
@@ -484,7 +487,7 @@ impl Choice for BarkKind {
 #[non_exhaustive]
 pub struct BarkData {
     /// What it is like on an old trunk.
-    pub kind: BarkKind,
+    pub kind: BarkForm,
     /// Colour of an old trunk, sRGB.
     pub trunk: [f32; 3],
     /// Colour of limbs, sRGB.
@@ -496,7 +499,7 @@ pub struct BarkData {
 impl Default for BarkData {
     fn default() -> Self {
         Self {
-            kind: BarkKind::Smooth,
+            kind: BarkForm::Smooth,
             trunk: [112.0, 100.0, 86.0],
             limbs: [112.0, 100.0, 86.0],
             twigs: [92.0, 78.0, 64.0],

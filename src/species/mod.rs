@@ -15,6 +15,8 @@
 //! ```
 
 mod architecture;
+#[cfg(feature = "texture")]
+mod asset;
 mod data;
 mod draw;
 mod dress;
@@ -32,7 +34,7 @@ mod wood;
 mod tests;
 
 pub use data::{
-    BarkData, BarkKind, Crown, Laterals, LeafData, LeafShape, Limbs, Shoots, Size, Species, Stand, Trunk,
+    BarkData, BarkForm, Crown, Laterals, LeafData, LeafShape, Limbs, Shoots, Size, Species, Stand, Trunk,
 };
 pub use names::{UnknownSpecies, all, by_name};
 pub use request::{Numbers, Request};

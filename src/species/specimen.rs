@@ -44,30 +44,31 @@ impl Specimen {
     /// As [`Tubes::mesh`].
     pub fn bark_mesh(&self, tubes: &Tubes) -> Result<Mesh, SurfaceError> {
         let mut mesh = tubes.clone().with_wind(true).mesh(&self.skeleton)?;
+        mesh.colors = mesh.wind.iter().map(|wind| self.bark_color(wind.node as usize)).collect();
+        mesh.wind = Vec::new();
+        Ok(mesh)
+    }
+
+    /// The linear colour of the bark at a node, by its radius.
+    pub(super) fn bark_color(&self, node: usize) -> [f32; 3] {
         let bark = &self.species.bark;
-        let linear = |encoded: [f32; 3]| encoded.map(|channel| math::linear(channel / 255.0));
         let [trunk, limbs, twigs] = [bark.trunk, bark.limbs, bark.twigs].map(linear);
         let smooth = |t: f32| {
             let t = t.clamp(0.0, 1.0);
             t * t * (3.0 - 2.0 * t)
         };
-        let half = 0.5 * self.numbers.dbh;
-        mesh.colors = mesh
-            .wind
-            .iter()
-            .map(|wind| {
-                let radius = self.skeleton.radii()[wind.node as usize];
-                let old = smooth((radius / half - 0.45) / 0.35);
-                let young = 1.0 - smooth((radius - 0.004) / (0.1 * half).clamp(0.004, 0.02));
-                [0, 1, 2].map(|i| {
-                    let wood = limbs[i] + (trunk[i] - limbs[i]) * old;
-                    wood + (twigs[i] - wood) * young
-                })
-            })
-            .collect();
-        mesh.wind = Vec::new();
-        Ok(mesh)
+        let (half, radius) = (0.5 * self.numbers.dbh, self.skeleton.radii()[node]);
+        let old = smooth((radius / half - 0.45) / 0.35);
+        let young = 1.0 - smooth((radius - 0.004) / (0.1 * half).clamp(0.004, 0.02));
+        [0, 1, 2].map(|i| {
+            let wood = limbs[i] + (trunk[i] - limbs[i]) * old;
+            wood + (twigs[i] - wood) * young
+        })
     }
+}
+
+pub(super) fn linear(encoded: [f32; 3]) -> [f32; 3] {
+    encoded.map(|channel| math::linear(channel / 255.0))
 }
 
 /// How often a tree is grown until its crown is as wide as wished for.

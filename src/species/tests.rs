@@ -1,6 +1,6 @@
 //! Every species built in: its text, its names, and that trees are as they are wished for.
 
-use super::data::{BarkKind, LeafShape, Species};
+use super::data::{BarkForm, LeafShape, Species};
 use super::names::TEXTS;
 use super::{SpeciesError, Specimen, all, by_name};
 use crate::math;
@@ -86,7 +86,7 @@ fn wrong_texts_are_told_by_line_and_field() {
 fn a_text_of_a_name_alone_grows() -> Result<(), Box<dyn Error>> {
     let tree = Species::parse("name = \"mine\" # with a comment")?.request().grow()?;
     tree.skeleton.check()?;
-    assert!(tree.leaves.is_some() && tree.species.bark.kind == BarkKind::Smooth);
+    assert!(tree.leaves.is_some() && tree.species.bark.kind == BarkForm::Smooth);
     assert_eq!(tree.species.leaves.shape, LeafShape::Ovate);
     Ok(())
 }

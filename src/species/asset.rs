@@ -1,0 +1,83 @@
+//! A tree of a species as one ships it.
+
+use super::specimen::linear;
+use super::{BarkForm, Specimen};
+use crate::asset::{Asset, AssetBuilder, AssetError};
+use crate::surface::{Material, Tubes};
+use crate::texture::{Bark, BarkKind};
+
+/// The trunk's diameter from which bark is as deep as it becomes, metres.
+const OLD: f32 = 0.6;
+
+impl Specimen {
+    /// The bark of its species as images, the older the thicker the trunk is. Its mean colour is the lightest of trunk, limbs and twigs,
+    /// channel by channel: the vertex colours of [`levels`](Self::levels) take it down to each of them.
+    pub fn bark_texture(&self) -> Bark {
+        let bark = match self.species.bark.kind {
+            BarkForm::Smooth => Bark::of_kind(BarkKind::Smooth),
+            BarkForm::Fissured => Bark::of_kind(BarkKind::Ridged),
+            BarkForm::Netted => Bark::of_kind(BarkKind::Netted),
+            BarkForm::Plated => Bark::of_kind(BarkKind::Plated),
+            // The same, of smaller pieces that lie flatter.
+            BarkForm::Scaly => Bark::of_kind(BarkKind::Plated).with_size(0.25).with_depth(0.006),
+            BarkForm::Papery => Bark::of_kind(BarkKind::Papery),
+            BarkForm::Mottled => Bark::of_kind(BarkKind::Patched),
+            BarkForm::Banded => Bark::of_kind(BarkKind::Banded),
+            BarkForm::Stringy => Bark::of_kind(BarkKind::Stringy),
+            BarkForm::Ringed => Bark::of_kind(BarkKind::Ringed),
+        };
+        let age = 0.2 + 0.7 * (self.numbers.dbh / OLD).min(1.0);
+        bark.with_color(self.lightest().map(|channel| channel as u8)).with_age(age).with_seed(self.seed)
+    }
+
+    fn lightest(&self) -> [f32; 3] {
+        let bark = &self.species.bark;
+        [0, 1, 2].map(|i| bark.trunk[i].max(bark.limbs[i]).max(bark.twigs[i]))
+    }
+
+    /// Bark with images, leaves and cards in levels of detail, as [`AssetBuilder::levels`]: the finest has at most so many `triangles`
+    /// (`None` for all there are), the others these shares of them; images of `side` pixels, a power of two from 128 to 8192.
+    ///
+    /// ```
+    /// use treesynth::species;
+    ///
+    /// let birch = species::by_name("silver birch")?.request().with_height(4.0).grow()?;
+    /// let levels = birch.levels(Some(5_000), 128, &[1.0, 0.3])?;
+    /// assert!(levels[0].triangles() <= 5_000 && levels[1].triangles() <= 1_500);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    ///
+    /// # Errors
+    /// As [`AssetBuilder::levels`], and a side that no bark can have.
+    pub fn levels(
+        &self,
+        triangles: Option<usize>,
+        side: u32,
+        shares: &[f32],
+    ) -> Result<Vec<Asset>, AssetError> {
+        let bark = self.bark_texture().with_resolution(side).bake()?;
+        let tubes = Tubes::default().with_root_flare(0.0).with_wind(true);
+        let twigs = Material::bark().with_color(linear(self.species.bark.twigs));
+        let builder = AssetBuilder::default()
+            .with_triangles(triangles)
+            .with_bark(Material::white().with_roughness(1.0))
+            .with_bark_textures(bark.textures)
+            .with_twigs(twigs)
+            .with_tubes(tubes.with_square_tiles(true).with_tile(bark.size))
+            .with_texture_size(side)
+            .with_leaf_size(Some((side / 4).clamp(32, 2048)));
+        let mut levels = builder.levels_with(&self.skeleton, self.leaves.as_slice(), shares)?;
+        let lightest = linear(self.lightest());
+        for level in &mut levels {
+            let mesh = level.bark_mut();
+            // The wind is there for the node of each vertex.
+            let wind = std::mem::take(&mut mesh.wind);
+            let color = |node: u32| {
+                let own = self.bark_color(node as usize);
+                [0, 1, 2].map(|i| (own[i] / lightest[i].max(1e-6)).clamp(0.0, 1.0))
+            };
+            mesh.colors = wind.iter().map(|wind| color(wind.node)).collect();
+        }
+        Ok(levels)
+    }
+}
