@@ -110,7 +110,7 @@ fn options() -> Result<Option<Options>, Failure> {
                 }
             }
             Long("textures") => {
-                options.textures = number(&mut arguments, "--textures", 128..=8192, "pixels")?
+                options.textures = number(&mut arguments, "--textures", 128..=8192, "pixels")?;
             }
             Long("out") => options.out = text(&mut arguments, "--out")?.into(),
             Long("help") | Short('h') => {

@@ -258,6 +258,9 @@ impl Search<'_> {
     }
 }
 
+/// What a node leaves to those after it, the ends of its edges, and their weights.
+type WorkedOut<'a> = (Guide, &'a [(u32, Vec3)], &'a [f32]);
+
 /// Nodes of the open bucket that are worked out ahead, together.
 const AHEAD: usize = 64;
 
@@ -348,7 +351,7 @@ impl Ahead {
     /// What the node at a place in the open bucket leaves to those after it, and its edges; `None` where that has to be
     /// worked out when it is settled.
     #[inline]
-    fn get(&self, place: usize) -> Option<(Guide, &[(u32, Vec3)], &[f32])> {
+    fn get(&self, place: usize) -> Option<WorkedOut<'_>> {
         let i = place.checked_sub(self.first)?;
         let guide = *self.guides.get(i).filter(|guide| !guide.vector.x.is_nan())?;
         let edges = self.starts[i]..self.starts[i + 1];
