@@ -18,7 +18,7 @@ pub(crate) enum Model {
     /// The finest first; if there are several, the last is an impostor.
     Levels(Vec<Asset>),
     /// One closed mesh, and leaves.
-    Closed(Mesh, Option<Leaves>),
+    Closed(Box<Mesh>, Vec<Leaves>),
 }
 
 impl Model {
@@ -33,7 +33,8 @@ impl Model {
             .map(|foliage: Foliage| foliage.place(skeleton, seed))
             .transpose()?;
         if let Surface::Implicit = options.surface {
-            return Ok(Self::Closed(Implicit::default().with_detail(options.detail).mesh(skeleton)?, leaves));
+            let mesh = Implicit::default().with_detail(options.detail).mesh(skeleton)?;
+            return Ok(Self::Closed(Box::new(mesh), leaves.into_iter().collect()));
         }
         let tubes = Tubes::default().with_square_tiles(true).with_wind(options.wind);
         let mut builder = AssetBuilder::default()
@@ -49,7 +50,9 @@ impl Model {
                 .with_bark_textures(bark.textures)
                 .with_tubes(tubes.with_tile(bark.size));
         }
-        let shares: Vec<f32> = (0..options.levels as i32).map(|level| SHARE.powi(level)).collect();
+        let shares: Vec<f32> = std::iter::successors(Some(1.0), |share| Some(share * SHARE))
+            .take(options.levels as usize)
+            .collect();
         let mut levels = builder.levels_with(skeleton, leaves.as_slice(), &shares)?;
         if options.levels > 1 {
             let side = options.textures.unwrap_or(512).clamp(128, 512);
