@@ -31,6 +31,7 @@ const LARGER: (f32, f32) = (0.6, 1.8);
 const GAIN: (f32, f32) = (0.6, 1.6);
 
 /// Makes [`Asset`]s: a tree's bark and leaves within a budget of triangles.
+#[must_use]
 #[derive(Debug, Clone)]
 pub struct AssetBuilder {
     bark: Material,

@@ -30,6 +30,7 @@ const THICKER: (f32, f32) = (0.2, 4.0);
 /// assert_eq!(far.triangles(), 6);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
+#[must_use]
 #[derive(Debug, Clone, PartialEq)]
 pub struct Impostor {
     planes: u32,

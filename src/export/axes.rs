@@ -24,6 +24,7 @@ use glam::Vec3;
 /// assert!((height - 1000.0).abs() < 1e-3);
 /// # Ok::<(), export::ExportError>(())
 /// ```
+#[must_use]
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Axes {
     up: UpAxis,

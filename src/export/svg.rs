@@ -7,6 +7,7 @@ use glam::{Vec2, Vec3};
 use std::io::{self, Write};
 
 /// How a skeleton is drawn.
+#[must_use]
 #[derive(Debug, Clone, PartialEq)]
 pub struct SvgOptions {
     size: f32,

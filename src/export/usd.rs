@@ -31,6 +31,7 @@ use std::io::{self, Write};
 /// assert!(String::from_utf8_lossy(&usda).contains("def Mesh \"bark\""));
 /// # Ok::<(), treesynth::export::ExportError>(())
 /// ```
+#[must_use]
 #[derive(Debug, Clone)]
 pub struct UsdStage<'a> {
     name: String,

@@ -17,6 +17,7 @@ use crate::ParameterError;
 ///     .with(Vortex::new(Vec3::ZERO, Vec3::Y, 5.0));
 /// assert!(tornado.at(Vec3::X).y == 1.0 && tornado.at(Vec3::X).z < 0.0);
 /// ```
+#[must_use]
 #[derive(Default)]
 pub struct Sum {
     terms: Vec<Box<dyn VectorField>>,

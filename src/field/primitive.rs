@@ -56,6 +56,7 @@ impl VectorField for Uniform {
 /// let source = Source::new(Vec3::ZERO, 4.0 * std::f32::consts::PI);
 /// assert!((source.at(Vec3::X * 2.0).x - 0.25).abs() < 0.01);
 /// ```
+#[must_use]
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Source {
     center: Vec3,
@@ -97,6 +98,7 @@ impl VectorField for Source {
 /// let (sink, source) = (Sink::new(Vec3::Y, 2.0), Source::new(Vec3::Y, 2.0));
 /// assert_eq!(sink.at(Vec3::X), -source.at(Vec3::X));
 /// ```
+#[must_use]
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Sink {
     center: Vec3,
@@ -143,6 +145,7 @@ impl VectorField for Sink {
 /// let vortex = Vortex::new(Vec3::ZERO, Vec3::Y, 4.0 * std::f32::consts::PI);
 /// assert!(vortex.at(Vec3::new(2.0, 5.0, 0.0)).abs_diff_eq(Vec3::NEG_Z, 0.01));
 /// ```
+#[must_use]
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Vortex {
     center: Vec3,

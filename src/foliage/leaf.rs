@@ -19,6 +19,7 @@ use std::f32::consts::TAU;
 /// let top = leaf.mesh().bounds().unwrap().max.y;
 /// assert!((top - 1.3).abs() < 1e-6);
 /// ```
+#[must_use]
 #[derive(Debug, Clone, PartialEq)]
 pub struct Leaf {
     mesh: Mesh,

@@ -90,6 +90,7 @@ impl Leaves {
 ///
 /// Random numbers are drawn for each leaf from its branch and its number on it, so leaves stay where they are when
 /// others are [thinned](Self::with_kept) out. O(nodes + leaves) time; 48 bytes of memory a leaf.
+#[must_use]
 #[derive(Debug, Clone, PartialEq)]
 pub struct Foliage {
     leaf: Leaf,

@@ -9,6 +9,7 @@ use std::f32::consts::PI;
 /// In the [season](Self::with_season) shoots unfold metamer by metamer, each in the same way (section 4.3): its
 /// development starts the later the farther up it stands, by the [stagger](Self::with_stagger), and all are done at the
 /// season's end. Leaves take the colours of the year, some a little before others, and fall.
+#[must_use]
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
 pub struct Phenology {

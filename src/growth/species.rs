@@ -18,6 +18,7 @@ use std::f32::consts::TAU;
 /// assert!(pollard.with_years(0).check().is_err());
 /// # Ok::<(), treesynth::ParameterError>(())
 /// ```
+#[must_use]
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
 pub struct Species {

@@ -26,6 +26,7 @@ use super::GrowthError;
 /// assert_eq!(timeline.at(40.0)?.positions(), elm.positions());
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
+#[must_use]
 #[derive(Debug, Clone, PartialEq)]
 pub struct Timeline {
     skeleton: Skeleton,

@@ -37,6 +37,7 @@ use std::sync::Arc;
 /// assert!(tree.tips().count() > 50);
 /// # Ok::<(), treesynth::SynthesisError>(())
 /// ```
+#[must_use]
 #[derive(Clone)]
 pub struct Refinement {
     region: Arc<dyn Shape>,

@@ -22,6 +22,7 @@ use crate::skeleton::{Skeleton, SkeletonError};
 /// assert_eq!(kept.tips().count(), 2);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
+#[must_use]
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Shedding {
     bare: f32,

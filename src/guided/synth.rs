@@ -17,6 +17,7 @@ use std::sync::Arc;
 /// One iteration of the paper: a search with its rule and weights, and the endpoints whose paths join the tree.
 ///
 /// Cloning shares the strategies.
+#[must_use]
 #[derive(Clone)]
 pub struct Stage {
     pub(super) rule: Arc<dyn GuidingRule>,
@@ -104,6 +105,7 @@ impl Stage {
 /// assert!(tree.tips().count() > 200);
 /// # Ok::<(), treesynth::SynthesisError>(())
 /// ```
+#[must_use]
 #[derive(Clone)]
 pub struct TreeSynth {
     graph: Arc<dyn GraphBuilder>,

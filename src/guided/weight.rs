@@ -278,6 +278,7 @@ impl WeightFn for Guided {
 /// `d^a (1 - e·v)^b`: a power of the paper's weight where a = b.
 ///
 /// b above 1 forgives small deviations and punishes large ones; a above 1 prefers many short edges to few long.
+#[must_use]
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct GuidedPower {
     length: f32,
@@ -330,6 +331,7 @@ impl WeightFn for Length {
 
 /// Several favoured directions at once (section 5, "multimodal edge weight adjustments"): an edge costs what it
 /// deviates from the best of them.
+#[must_use]
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Multimodal {
     /// (unit direction, factor of the cost)

@@ -25,6 +25,7 @@ pub enum Projection {
 ///
 /// By default it frames the meshes it is shown, exactly; [`with_frame`](Self::with_frame) fixes the frame, so that
 /// several pictures have one scale.
+#[must_use]
 #[derive(Debug, Clone, PartialEq)]
 pub struct Camera {
     azimuth: f32,

@@ -114,6 +114,7 @@ struct Stage<'a> {
 /// assert_eq!((picture.width(), picture.height()), (60, 80));
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
+#[must_use]
 #[derive(Debug, Clone, PartialEq)]
 pub struct Preview {
     width: u32,

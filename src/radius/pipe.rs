@@ -23,6 +23,7 @@ use crate::{ParameterError, Skeleton};
 /// assert!((radii[0] - 0.01 * 2.0_f32.sqrt()).abs() < 1e-8);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
+#[must_use]
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PipeModel {
     exponent: f32,

@@ -25,6 +25,7 @@ use crate::{ParameterError, Skeleton};
 /// assert_eq!(Taper::new(inner).with_tip_fraction(0.5).radii(&twig)?, [0.01, 0.0075, 0.005]);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
+#[must_use]
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Taper<M> {
     inner: M,

@@ -36,6 +36,7 @@ use crate::{ParameterError, Skeleton};
 /// assert!((radii[2] / radii[3] - 3.0_f32.sqrt()).abs() < 1e-5);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
+#[must_use]
 #[derive(Debug, Clone, PartialEq)]
 pub struct Variational {
     exponent: f32,

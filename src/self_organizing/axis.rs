@@ -18,6 +18,7 @@ use crate::ParameterError;
     derive(serde::Serialize, serde::Deserialize),
     serde(default, deny_unknown_fields)
 )]
+#[must_use]
 pub struct Axis {
     pub(super) angle: Option<f32>,
     pub(super) optimal_weight: Option<f32>,

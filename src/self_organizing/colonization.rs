@@ -46,6 +46,7 @@ const MOST_CELLS: f32 = 128.0;
 /// assert!(tree.environment().free() < 5000);
 /// # Ok::<(), treesynth::self_organizing::ForestError>(())
 /// ```
+#[must_use]
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "serde", serde(from = "Options", into = "Options"))]

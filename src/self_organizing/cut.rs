@@ -17,6 +17,7 @@ use glam::Vec3;
     derive(serde::Serialize, serde::Deserialize),
     serde(default, deny_unknown_fields)
 )]
+#[must_use]
 pub struct Regrowth {
     pub(super) buds: u8,
     pub(super) reach: u16,

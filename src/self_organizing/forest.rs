@@ -48,6 +48,7 @@ const MOST_PARTS: u32 = 64;
 /// assert!(ahead.metamers() > forest.metamers() && forest.season() == 10);
 /// # Ok::<(), treesynth::self_organizing::ForestError>(())
 /// ```
+#[must_use]
 #[derive(Debug, Clone)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "serde", serde(try_from = "super::saved::Saved<E>"))]

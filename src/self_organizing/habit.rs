@@ -29,6 +29,7 @@ use glam::Vec3;
     derive(serde::Serialize, serde::Deserialize),
     serde(default, deny_unknown_fields)
 )]
+#[must_use]
 pub struct Habit {
     pub(super) vigor_model: VigorModel,
     pub(super) vigor_multiplier: f32,
@@ -52,6 +53,7 @@ pub struct Habit {
 
 /// When a tree gives up a branch: once its vigor falls below `multiplier · (child count^(1/n))^exponent`, the
 /// branch's width being the measure of what it costs, and it is older than a period of grace.
+#[must_use]
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
 pub struct Shedding {

@@ -8,6 +8,7 @@ use glam::Vec3;
 
 /// How a tree sows itself (step 6 of the text): number and distance of its seeds grow with the logarithm of the
 /// root's vigor.
+#[must_use]
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
 pub struct Offspring {

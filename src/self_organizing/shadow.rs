@@ -64,6 +64,7 @@ const PART: usize = 1024;
     derive(serde::Serialize, serde::Deserialize),
     serde(try_from = "Options", into = "Options")
 )]
+#[must_use]
 pub struct ShadowPropagation {
     options: Options,
     grid: Grid,

@@ -26,6 +26,7 @@ use glam::Vec3;
 /// assert_eq!(skeleton.stages().iter().max(), Some(&12));
 /// # Ok::<(), treesynth::self_organizing::ForestError>(())
 /// ```
+#[must_use]
 #[derive(Debug, Clone)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "serde", serde(bound(deserialize = "E: serde::Deserialize<'de>")))]

@@ -26,6 +26,7 @@ use crate::math;
     derive(serde::Serialize, serde::Deserialize),
     serde(default, deny_unknown_fields)
 )]
+#[must_use]
 pub struct Stature {
     pub(super) height: f32,
     pub(super) pace: f32,

@@ -14,6 +14,7 @@ use glam::Vec3;
 /// assert_eq!(crown.size(), Vec3::new(4.0, 5.0, 4.0));
 /// assert!(crown.contains(crown.center()));
 /// ```
+#[must_use]
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Bounds {
     /// The corner with the smallest coordinates, metres.

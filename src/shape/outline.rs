@@ -26,6 +26,7 @@ pub(super) const MOST: usize = 20_000;
 /// let bow_tie = Outline::new([points[0], points[1], points[3], points[2]]);
 /// assert!(bow_tie.check().is_err());
 /// ```
+#[must_use]
 #[derive(Debug, Clone, PartialEq)]
 pub struct Outline {
     inner: Arc<Inner>,

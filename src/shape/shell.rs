@@ -23,6 +23,7 @@ use crate::ParameterError;
 /// assert!(!dome.contains(Vec3::new(0.0, 2.1, 0.0)), "open below");
 /// assert!(Shell::new(crown, 0.25).contains(Vec3::new(0.0, 2.1, 0.0)), "closed below");
 /// ```
+#[must_use]
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Shell<S> {
     shape: S,

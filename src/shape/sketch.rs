@@ -29,6 +29,7 @@ use crate::{ParameterError, math};
 /// let crown = crown.with_profiles([CrossProfile::ROUND, lopsided, lopsided]);
 /// assert!(!crown.contains(Vec3::new(0.0, 8.0, -0.8)) && crown.contains(Vec3::new(0.0, 8.0, 0.8)));
 /// ```
+#[must_use]
 #[derive(Debug, Clone, PartialEq)]
 pub struct Sketch {
     front: Outline,

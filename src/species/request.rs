@@ -18,6 +18,7 @@ use crate::math;
 /// assert!(error.to_string().starts_with("height of silver birch is 60 m, but must be 2 to"), "{error}");
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
+#[must_use]
 #[derive(Debug, Clone, PartialEq)]
 pub struct Request<'a> {
     species: &'a Species,

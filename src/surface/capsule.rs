@@ -29,6 +29,7 @@ pub struct Capsule {
 /// assert_eq!((capsules.len(), capsules[0].to, capsules[0].radius), (1, y(2.0), 0.1));
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
+#[must_use]
 #[derive(Debug, Clone, PartialEq)]
 pub struct Capsules {
     tolerance: f32,

@@ -27,6 +27,7 @@ const USUAL: usize = 4;
 /// }
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
+#[must_use]
 #[derive(Debug, Clone, PartialEq)]
 pub struct Levels {
     tubes: Tubes,

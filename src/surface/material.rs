@@ -11,6 +11,7 @@ use crate::{ParameterError, math};
 /// assert!(leaf.is_double_sided());
 /// assert_eq!(leaf.srgb(), [86, 125, 50]);
 /// ```
+#[must_use]
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Material {
     color: [f32; 3],

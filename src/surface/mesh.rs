@@ -155,6 +155,7 @@ impl Mesh {
     }
 
     /// Gives each vertex a texture coordinate.
+    #[must_use]
     pub fn with_uvs(mut self, uvs: Vec<Vec2>) -> Self {
         self.uvs = uvs;
         self

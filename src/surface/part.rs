@@ -74,6 +74,7 @@ impl Instance {
 /// let part = Part::new(&leaf).with_name("leaves").with_material(Material::leaf()).with_instances(&twice);
 /// assert_eq!(part.copies().len(), 2);
 /// ```
+#[must_use]
 #[derive(Debug, Clone, Copy)]
 pub struct Part<'a> {
     name: &'a str,

@@ -21,6 +21,7 @@ use crate::ParameterError;
 /// }
 /// assert_eq!(stand.parts()[2].transform().position.x, 8.0);
 /// ```
+#[must_use]
 #[derive(Debug, Clone, Default)]
 pub struct Scene<'a> {
     assets: Vec<PlacedAsset<'a>>,

@@ -49,6 +49,7 @@ const MOST_WIDENING: f32 = 1.3;
 /// assert_eq!(mesh.triangles().len(), 6 * 2 + 6);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
+#[must_use]
 #[derive(Debug, Clone, PartialEq)]
 #[expect(clippy::struct_excessive_bools, reason = "each is an option of its own")]
 pub struct Tubes {

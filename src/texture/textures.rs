@@ -14,6 +14,7 @@ use crate::ParameterError;
 /// assert!(card.is_masked());
 /// # Ok::<(), treesynth::texture::TextureError>(())
 /// ```
+#[must_use]
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Textures {
     base_color: Option<Image>,

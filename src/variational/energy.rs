@@ -18,6 +18,7 @@ pub struct Energy {
 }
 
 /// What the botanical parameters ask of one internode: the terms of equation 8.
+#[must_use]
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Wish {
     pub(super) length: f64,

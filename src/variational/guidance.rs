@@ -20,6 +20,7 @@ use crate::{Bounds, ParameterError, Shape};
 /// assert_eq!(shape.len(), 1000);
 /// # Ok::<(), treesynth::ParameterError>(())
 /// ```
+#[must_use]
 #[derive(Debug, Clone, PartialEq)]
 pub struct GuidanceShape {
     positions: Vec<Vec3>,

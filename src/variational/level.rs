@@ -13,6 +13,7 @@ use crate::ParameterError;
 /// assert_eq!(trunk.laterals(), 2);
 /// assert!(trunk.with_apical_control(0.0).check().is_err());
 /// ```
+#[must_use]
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Level {
     metamers: u32,

@@ -35,6 +35,7 @@ use crate::{ParameterError, Skeleton, SkeletonError};
 /// assert_eq!(tree.tips().count(), 400, "each shape node is a tip");
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
+#[must_use]
 #[derive(Clone)]
 pub struct VariationalSynth {
     shape: GuidanceShape,

@@ -39,6 +39,7 @@ pub enum LevelNodes {
 ///
 /// glTF fixes the axes and the unit (+Y up, metres), so there is no choice of these; other formats have
 /// [`Axes`](crate::export::Axes).
+#[must_use]
 #[derive(Debug, Clone, PartialEq)]
 pub struct GlbOptions {
     pub(super) name: String,

@@ -25,6 +25,7 @@ const KEYS: usize = 81;
 /// export::write_glb(&mesh, &options, std::io::sink())?;
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
+#[must_use]
 #[derive(Debug, Clone, PartialEq)]
 pub struct Breeze {
     skeleton: Skeleton,

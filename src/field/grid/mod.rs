@@ -34,6 +34,7 @@ const LARGEST: f32 = 1e18;
 /// assert_eq!(wind.at(Vec3::new(0.25, 7.0, -3.0)), Vec3::new(1.0, 0.25, 0.0));
 /// # Ok::<(), treesynth::field::GridFieldError>(())
 /// ```
+#[must_use]
 #[derive(Debug, Clone, PartialEq)]
 pub struct GridField {
     origin: Vec3,

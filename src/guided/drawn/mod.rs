@@ -42,6 +42,7 @@ use std::f32::consts::{FRAC_PI_2, PI};
 /// assert!(tree.tips().count() > 10);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
+#[must_use]
 #[derive(Debug, Clone, PartialEq)]
 pub struct DrawnLimbs {
     strokes: Vec<Stroke>,

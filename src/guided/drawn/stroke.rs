@@ -64,6 +64,7 @@ impl Canvas {
 /// A line drawn from the base of a limb to its tip.
 ///
 /// Thickness is optional: what is given is the least that the limb has in the end.
+#[must_use]
 #[derive(Debug, Clone, PartialEq)]
 pub struct Stroke {
     line: Line,

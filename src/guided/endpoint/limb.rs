@@ -34,6 +34,7 @@ use crate::random::{Purpose, derive};
 /// assert!(limbs.iter().filter(|limb| bears(limb)).count() * 2 > limbs.len());
 /// # Ok::<(), treesynth::SynthesisError>(())
 /// ```
+#[must_use]
 #[derive(Debug, Clone, PartialEq)]
 pub struct LimbSurface {
     surface: HopSurface,

@@ -14,6 +14,7 @@ use std::cmp::Reverse;
 /// proportion t" (figures 11 and 12). Nodes of equal hops are ordered by their distance from the root.
 ///
 /// O(n log n).
+#[must_use]
 #[derive(Debug, Clone, PartialEq)]
 pub struct HopSurface {
     hops: u32,

@@ -54,6 +54,7 @@ use std::sync::Arc;
 /// assert!((grown / height - 1.0).abs() < 0.2);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
+#[must_use]
 #[derive(Debug, Clone)]
 pub struct Example {
     base: Vec3,

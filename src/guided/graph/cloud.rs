@@ -150,6 +150,7 @@ fn nearest(positions: &[Vec3], count: usize, observer: &dyn Observer) -> Result<
 /// assert_eq!(graph.root(), 0);
 /// # Ok::<(), treesynth::guided::GraphError>(())
 /// ```
+#[must_use]
 #[derive(Debug, Clone)]
 pub struct PointCloud {
     points: Vec<Vec3>,
@@ -200,6 +201,7 @@ impl GraphBuilder for PointCloud {
 ///
 /// Section 3.1.1 warns of it: "the resulting lattice artifacts are apparent even if the node positions are
 /// jittered". It is here to be compared with. The root is the node nearest to the origin, moved there.
+#[must_use]
 #[derive(Clone)]
 pub struct Lattice {
     region: Arc<dyn Shape>,

@@ -33,6 +33,7 @@ const REACH: f32 = 4.0;
 /// assert_eq!(graph.position(graph.root()), Vec3::ZERO);
 /// # Ok::<(), treesynth::guided::GraphError>(())
 /// ```
+#[must_use]
 #[derive(Clone)]
 pub struct PoissonDelaunay {
     region: Arc<dyn Shape>,

@@ -45,6 +45,7 @@ use std::sync::{Arc, OnceLock};
 /// }
 /// # Ok::<(), treesynth::guided::GraphError>(())
 /// ```
+#[must_use]
 #[derive(Clone)]
 pub struct GradedYao {
     region: Arc<dyn Shape>,

@@ -22,6 +22,7 @@ use std::f32::consts::PI;
 /// assert!((farthest / 8.0 - 0.05).abs() < 0.01);
 /// # Ok::<(), treesynth::ParameterError>(())
 /// ```
+#[must_use]
 #[derive(Debug, Clone, PartialEq)]
 pub struct Leader {
     base: Vec3,

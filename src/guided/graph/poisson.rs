@@ -30,6 +30,7 @@ use std::sync::Arc;
 /// assert_eq!(graph.position(graph.root()), Vec3::ZERO);
 /// # Ok::<(), treesynth::guided::GraphError>(())
 /// ```
+#[must_use]
 #[derive(Clone)]
 pub struct PoissonYao {
     region: Arc<dyn Shape>,

@@ -32,6 +32,7 @@ pub enum BendAxis {
 /// let degrees = f32::to_radians;
 /// Bend::piecewise(degrees(6.0), degrees(-6.0), 20).check().unwrap();
 /// ```
+#[must_use]
 #[derive(Debug, Clone)]
 pub struct Bend {
     angle: Angle,

@@ -44,6 +44,7 @@ impl<Below: GuidingRule, Above: GuidingRule> GuidingRule for ByHeight<Below, Abo
 }
 
 /// A rule for each stage; the last one for all stages that follow.
+#[must_use]
 #[derive(Clone, Default)]
 pub struct ByStage {
     rules: Vec<Arc<dyn GuidingRule>>,
@@ -89,6 +90,7 @@ impl GuidingRule for ByStage {
 
 /// A rule for each of the graph's [roots](crate::guided::Graph::roots), in their order; the last one for all roots that
 /// follow.
+#[must_use]
 #[derive(Clone, Default)]
 pub struct ByTree {
     rules: Vec<Arc<dyn GuidingRule>>,

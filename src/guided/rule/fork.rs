@@ -21,6 +21,7 @@ use std::f32::consts::{PI, TAU};
 /// let step = Step::new(Vec3::Y, Vec3::new(0.1, 0.2, 0.0), Vec3::Y).with_fork(limb);
 /// assert!((rule.guide(&step).dot(Vec3::X) - 0.5).abs() < 1e-5);
 /// ```
+#[must_use]
 #[derive(Debug, Clone)]
 pub struct ForkAngle<R> {
     angle: f32,

@@ -8,6 +8,7 @@ use crate::random::{Purpose, unit};
 use glam::Vec3;
 
 /// What a rule knows of a node that has just been settled.
+#[must_use]
 #[derive(Debug, Clone, Copy)]
 #[non_exhaustive]
 pub struct Step<'a> {

@@ -38,6 +38,7 @@ use octree::Octree;
 /// assert_eq!((picture.width(), picture.height()), (60, 80));
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
+#[must_use]
 #[derive(Debug, Clone, PartialEq)]
 pub struct RayCaster {
     preview: Preview,

@@ -10,6 +10,7 @@ use smallvec::SmallVec;
 const MEETING: f32 = 0.45;
 
 /// How [generalized bounded blending](super::BlobTreeBuilder::bounded) joins its parts.
+#[must_use]
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Bounded {
     pub(super) inside: Operator,

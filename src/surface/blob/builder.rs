@@ -59,6 +59,7 @@ pub(super) struct Entry {
 /// assert!(solid.value(Vec3::Y * 0.2) > 0.0 && solid.value(Vec3::X) < 0.0);
 /// # Ok::<(), treesynth::surface::blob::BlobError>(())
 /// ```
+#[must_use]
 #[derive(Debug)]
 pub struct BlobTreeBuilder {
     id: u32,

@@ -18,6 +18,7 @@ const SHARPEST_TURN: f32 = -0.5;
 /// [`with_turn`](Self::with_turn) against the next. On the outer side of a bend, and where it tapers ever more, the surface is round
 /// where they meet; on the inner side it has a crease of that turn. There are at most 64 from point to point, and corners
 /// sharper than 120° stay.
+#[must_use]
 #[derive(Debug, Clone, PartialEq)]
 pub struct Curve {
     points: Vec<Vec3>,

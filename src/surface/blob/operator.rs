@@ -12,6 +12,7 @@ use crate::{Bounds, ParameterError, math};
 /// G(u) = u (1 - u/w)² (1 + b u/w) for u up to the `reach` w, and by nothing beyond: G has slope 1 on the surface of F₂ and none at w,
 /// so the pressed surface is C¹. (Gascuel 1993; Desbrun and Cani 1998; there of distances, here of field values, so that it is
 /// an operator like any other.)
+#[must_use]
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Contact {
     pub(super) reach: f32,

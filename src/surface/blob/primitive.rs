@@ -18,6 +18,7 @@ const ROUNDING: f32 = 8.0 * f32::EPSILON;
 /// greatest of theirs: it depends on the least distance from a point of the axis over the radius there. So cones of one taper, end
 /// to end, are smooth where they meet, and round where the second tapers more. What is out of range is refused where it is
 /// [added](super::BlobTreeBuilder::add).
+#[must_use]
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Primitive {
     pub(super) ends: [Vec3; 2],

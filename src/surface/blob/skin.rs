@@ -37,6 +37,7 @@ const NARROW: f32 = 0.25;
 /// assert!(bark.value(Vec3::Y * 0.5) > 0.0 && bark.value(Vec3::X) < 0.0);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
+#[must_use]
 #[derive(Debug, Clone, PartialEq)]
 pub struct Skin {
     age: Option<f32>,

@@ -57,6 +57,7 @@ use solid::Solid;
 /// assert_eq!(vertices + triangles, triangles * 3 / 2 + 2);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
+#[must_use]
 #[derive(Debug, Clone, PartialEq)]
 pub struct Implicit {
     voxel: Option<f32>,

@@ -23,6 +23,7 @@ use crate::surface::{Mesh, SurfaceError};
 /// assert!(mesh.check().is_ok() && mesh.colors.len() == mesh.positions.len());
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
+#[must_use]
 #[derive(Debug, Clone, PartialEq)]
 pub struct Polygonizer {
     voxel: Option<f32>,

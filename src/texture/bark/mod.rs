@@ -90,6 +90,7 @@ pub struct BarkSet {
 /// assert!(young.depth < old.depth);
 /// # Ok::<(), treesynth::texture::TextureError>(())
 /// ```
+#[must_use]
 #[derive(Debug, Clone, PartialEq)]
 pub struct Bark {
     kind: BarkKind,

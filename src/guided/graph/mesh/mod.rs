@@ -58,6 +58,7 @@ const MAX_NODES: f32 = 2e7;
 /// assert!(graph.hops_from_root().iter().all(|&hops| hops < 40));
 /// # Ok::<(), treesynth::guided::GraphError>(())
 /// ```
+#[must_use]
 #[derive(Debug, Clone)]
 pub struct PoissonSurface {
     positions: Arc<[Vec3]>,

@@ -74,6 +74,7 @@ impl MeshFormat {
 /// assert!((treesynth::Shape::bounds(&solid).size().y - 2.0).abs() < 1e-6);
 /// # Ok::<(), treesynth::shape::TriangleMeshError>(())
 /// ```
+#[must_use]
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Import {
     up: UpAxis,
