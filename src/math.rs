@@ -4,7 +4,7 @@
 //! [`libm`], which is the same Rust code everywhere. Addition, product, quotient and `sqrt` are exact by
 //! IEEE 754 and are used directly.
 
-use glam::Vec3;
+use glam::{Quat, Vec3};
 
 /// Up in every module: +Y.
 pub const UP: Vec3 = Vec3::Y;
@@ -79,6 +79,23 @@ pub fn srgb(linear: f32) -> f32 {
 pub fn linear(encoded: f32) -> f32 {
     let encoded = encoded.clamp(0.0, 1.0);
     if encoded <= 0.04045 { encoded / 12.92 } else { powf((encoded + 0.055) / 1.055, 2.4) }
+}
+
+/// A quaternion's rotation at length 1, term by term: glam's own sums take other steps on other processors.
+pub fn unit_rotation(rotation: Quat) -> Quat {
+    let [x, y, z, w] = rotation.to_array();
+    let length = (x * x + y * y + z * z + w * w).sqrt();
+    Quat::from_xyzw(x / length, y / length, z / length, w / length)
+}
+
+/// The rotation by `b`, then by `a`, term by term, for the same reason.
+pub(crate) fn product(a: Quat, b: Quat) -> Quat {
+    Quat::from_xyzw(
+        a.w * b.x + a.x * b.w + a.y * b.z - a.z * b.y,
+        a.w * b.y - a.x * b.z + a.y * b.w + a.z * b.x,
+        a.w * b.z + a.x * b.y - a.y * b.x + a.z * b.w,
+        a.w * b.w - a.x * b.x - a.y * b.y - a.z * b.z,
+    )
 }
 
 /// A unit vector perpendicular to the unit vector `v`.

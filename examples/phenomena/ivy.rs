@@ -5,7 +5,7 @@ use std::sync::Arc;
 use treesynth::foliage::{Foliage, Leaf, Leaves};
 use treesynth::glam::{Mat3, Quat, Vec3};
 use treesynth::guided::{Count, Graph, HopSurface, InShape, PoissonSurface, Search, Stage, Step, TreeSynth};
-use treesynth::math::Rotation;
+use treesynth::math::{self, Rotation};
 use treesynth::preview::{Camera, Picture, Preview};
 use treesynth::radius::{PipeModel, RadiusModel, Taper};
 use treesynth::random::{Purpose, unit};
@@ -100,7 +100,8 @@ impl Ivy {
             let face = (normal + Vec3::Y * 0.25 + Vec3::new(draw(0), draw(1), draw(2)) * 0.5).normalize();
             let down = Vec3::NEG_Y + Vec3::new(draw(3), draw(4), draw(5)) * 1.6;
             let midrib = (down - face * down.dot(face)).normalize_or(face.any_orthonormal_vector());
-            leaf.rotation = Quat::from_mat3(&Mat3::from_cols(midrib.cross(face), midrib, face)).normalize();
+            leaf.rotation =
+                math::unit_rotation(Quat::from_mat3(&Mat3::from_cols(midrib.cross(face), midrib, face)));
             leaf.position += normal * (0.015 + 0.02 * (draw(6) + 0.5));
         }
         Ok(leaves)

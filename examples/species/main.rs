@@ -110,7 +110,15 @@ fn options() -> Result<Option<Options>, Failure> {
                 }
             }
             Long("textures") => {
-                options.textures = number(&mut arguments, "--textures", 128..=8192, "pixels")?;
+                options.textures =
+                    number(&mut arguments, "--textures", 128..=8192, "pixels, a power of two")?;
+                if !options.textures.is_power_of_two() {
+                    let side = options.textures;
+                    return Err(format!(
+                        "--textures is {side}, but must be a power of two, 128 to 8192 pixels"
+                    )
+                    .into());
+                }
             }
             Long("out") => options.out = text(&mut arguments, "--out")?.into(),
             Long("help") | Short('h') => {

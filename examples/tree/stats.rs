@@ -3,6 +3,7 @@
 use crate::levels::triangles;
 use crate::watch::Steps;
 use serde_json::{Map, Value, json};
+use std::collections::BTreeMap;
 use treesynth::guided::Graph;
 use treesynth::surface::Part;
 use treesynth::{Metrics, Skeleton};
@@ -20,15 +21,20 @@ pub(crate) fn stats(
 ) -> serde_json::Result<Value> {
     let milliseconds: Map<String, Value> =
         steps.iter().map(|(name, time)| (name.clone(), json!(time.as_secs_f64() * 1e3))).collect();
-    let parts: Map<String, Value> = levels[0]
-        .iter()
-        .map(|part| {
-            let counts = json!({
-                "copies": part.copies().len(),
-                "vertices": part.vertices(),
-                "triangles": part.triangles(),
-            });
-            (part.name().to_owned(), counts)
+    // Several parts of one name are counted together.
+    let mut counts: BTreeMap<&str, [u64; 3]> = BTreeMap::new();
+    for part in &levels[0] {
+        let sums = counts.entry(part.name()).or_default();
+        for (sum, more) in
+            sums.iter_mut().zip([part.copies().len() as u64, part.vertices(), part.triangles()])
+        {
+            *sum += more;
+        }
+    }
+    let parts: Map<String, Value> = counts
+        .into_iter()
+        .map(|(name, [copies, vertices, triangles])| {
+            (name.to_owned(), json!({ "copies": copies, "vertices": vertices, "triangles": triangles }))
         })
         .collect();
     Ok(json!({

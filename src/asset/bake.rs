@@ -5,6 +5,7 @@ use super::skin::Skin;
 use crate::math;
 use crate::surface::{Instance, Mesh};
 use glam::{Mat3, Vec2, Vec3};
+use std::borrow::Cow;
 
 /// Where is looked from: along -`toward`, which is `right` x `up`; all three of length 1.
 #[derive(Debug, Clone, Copy)]
@@ -35,10 +36,10 @@ impl View {
 }
 
 /// What is drawn: copies of a mesh of one colour.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone)]
 pub(super) struct Drawn<'a> {
     pub(super) mesh: &'a Mesh,
-    pub(super) copies: &'a [Instance],
+    pub(super) copies: Cow<'a, [Instance]>,
     pub(super) color: [f32; 3],
     pub(super) double_sided: bool,
     pub(super) skin: Option<&'a Skin>,
@@ -110,7 +111,7 @@ impl Raster {
         let size = Vec2::new((self.width * self.samples) as f32, (self.height * self.samples) as f32);
         let scale = size / (2.0 * self.view.half);
         let mut corners = Vec::with_capacity(drawn.mesh.positions.len());
-        for copy in drawn.copies {
+        for copy in &*drawn.copies {
             let turned = matrix * copy.rotation_matrix();
             let scaled = turned * copy.scale;
             let offset = matrix * (copy.position - self.view.center);

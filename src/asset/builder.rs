@@ -72,7 +72,8 @@ impl AssetBuilder {
         self
     }
 
-    /// The images that the bark wears; default none.
+    /// The images that the bark wears; default none. They are multiplied by the [material](Self::with_bark), so that goes with
+    /// [`Material::white`] of roughness 1; the size of a tile is that of the [tubes](Self::with_tubes).
     pub fn with_bark_textures(mut self, textures: Textures) -> Self {
         self.bark_textures = Some(Arc::new(textures));
         self
@@ -321,7 +322,7 @@ impl<'a> Tree<'a> {
         grid.cell = (side as usize / grid.columns.max(grid.rows)).max(4 * atlas::PADDING);
         let models: Vec<(u32, &Cluster)> =
             models.iter().map(|&i| (carded[i as usize] as u32, &chosen[i as usize])).collect();
-        let kinds = source.kinds(&models, grid, true);
+        let kinds = source.kinds(&models, grid);
         let whole: Vec<usize> =
             whole.iter().flat_map(|&i| clusters[i].leaves.iter().map(|&leaf| leaf as usize)).collect();
         let asset = self.fit(bark, error, &whole, &chosen, &kind_of, &kinds, grid)?;

@@ -5,7 +5,7 @@ use super::bake::{Baked, Drawn, Raster, View};
 use super::cluster::{Cluster, Leaf};
 use super::leaf::Dress;
 use crate::surface::{Instance, Material, Mesh};
-use crate::{Skeleton, parallel};
+use crate::{Skeleton, math, parallel};
 use glam::{Mat3, Quat, Vec2, Vec3, Vec4};
 use std::f32::consts::FRAC_1_SQRT_2;
 
@@ -42,18 +42,18 @@ pub(super) struct Kind {
 
 impl Source<'_> {
     /// Bakes the kinds that these clusters stand for, in cells of this grid.
-    pub(super) fn kinds(&self, models: &[(u32, &Cluster)], grid: Grid, own_tints: bool) -> Vec<Kind> {
+    pub(super) fn kinds(&self, models: &[(u32, &Cluster)], grid: Grid) -> Vec<Kind> {
         parallel::map(models.len(), |number| {
             let (id, cluster) = models[number];
-            self.kind(id, cluster, grid, 2 * number, own_tints)
+            self.kind(id, cluster, grid, 2 * number)
         })
     }
 
-    fn kind(&self, id: u32, cluster: &Cluster, grid: Grid, first: usize, own_tints: bool) -> Kind {
+    fn kind(&self, id: u32, cluster: &Cluster, grid: Grid, first: usize) -> Kind {
         let frame = cluster.frame;
         let inverse = frame.transpose();
         let base = self.base(cluster);
-        let copies = self.copies(cluster, own_tints);
+        let copies = self.copies(cluster);
         // Everything that is to be seen, in the cluster's frame about its middle.
         let mut points = Vec::new();
         for (dress, copies) in self.dresses.iter().zip(&copies) {
@@ -102,7 +102,7 @@ impl Source<'_> {
             for (dress, copies) in self.dresses.iter().zip(&copies) {
                 raster.draw(&Drawn {
                     mesh: &dress.mesh,
-                    copies,
+                    copies: copies.into(),
                     color: dress.material.color(),
                     double_sided: true,
                     skin: dress.skin.as_deref(),
@@ -112,7 +112,7 @@ impl Source<'_> {
             let ribbons = ribbons(&wood, view.toward);
             raster.draw(&Drawn {
                 mesh: &ribbons,
-                copies: &[Instance::IDENTITY],
+                copies: (&[Instance::IDENTITY][..]).into(),
                 color: self.bark.color(),
                 double_sided: true,
                 skin: None,
@@ -141,13 +141,13 @@ impl Source<'_> {
     }
 
     /// The leaves of a cluster, as copies of each of the meshes.
-    fn copies(&self, cluster: &Cluster, own_tints: bool) -> Vec<Vec<Instance>> {
+    fn copies(&self, cluster: &Cluster) -> Vec<Vec<Instance>> {
         let mut copies = vec![Vec::new(); self.dresses.len()];
         for &leaf in &cluster.leaves {
             let Leaf { dress, mut copy, .. } = self.all[leaf as usize];
             for (tint, mean) in copy.tint.iter_mut().zip(cluster.tint) {
                 // The mean comes back as the tint of the card.
-                *tint = if own_tints { *tint / mean.max(1e-3) } else { 1.0 };
+                *tint /= mean.max(1e-3);
             }
             copies[dress as usize].push(copy);
         }
@@ -175,7 +175,7 @@ impl Source<'_> {
 pub(super) fn instance(cluster: &Cluster, kind: &Kind, larger: f32) -> Instance {
     let scale = (cluster.area / kind.area.max(f32::MIN_POSITIVE)).sqrt() * larger;
     let scale = scale.clamp(1e-20, 1e20);
-    let rotation = Quat::from_mat3(&cluster.frame).normalize();
+    let rotation = math::unit_rotation(Quat::from_mat3(&cluster.frame));
     let turned = Mat3::from_quat(rotation) * kind.middle;
     let (position, node) = (cluster.middle - turned * scale, cluster.root);
     Instance { position, rotation, scale, node, tint: cluster.tint }

@@ -18,6 +18,9 @@ pub(super) struct Leaf {
     pub(super) area: f32,
 }
 
+/// The area that a leaf counts as at the least, square metres.
+const LEAST_AREA: f32 = 1e-12;
+
 impl Leaf {
     /// All leaves of a tree; `dress` says what a leaf of a number in its [`Leaves`] wears.
     pub(super) fn all(leaves: &[Leaves], dress: impl Fn(usize, usize) -> u32) -> Vec<Self> {
@@ -34,7 +37,8 @@ impl Leaf {
                 dress: dress(number, i),
                 copy,
                 middle: copy.matrix() * bounds.center() + copy.position,
-                area: area * copy.scale * copy.scale,
+                // A leaf without area is still one to be grouped.
+                area: (area * copy.scale * copy.scale).max(LEAST_AREA),
             }));
         }
         all

@@ -82,7 +82,7 @@ impl Impostor {
     }
 
     /// Crossed billboards, which every engine shows: a part `impostor` with two triangles a picture, from both sides the same.
-    /// Their alpha is such that they hide as much as the model does, on the average of views from all sides.
+    /// Their alpha is scaled so that the covered area, on the average of several views, is that of the model.
     ///
     /// # Errors
     /// An option out of range; parts that cannot be drawn; nothing to be seen.

@@ -9,7 +9,7 @@ impl AssetBuilder {
     /// The asset in several levels of detail, each with this share of the triangles: `[1.0, 0.3, 0.08]` for three. An
     /// [`Impostor`](super::Impostor) of the same leaves goes where they end.
     ///
-    /// Every level has fewer triangles than the one before. What goes is nested: the bark of a level has branches of the finer
+    /// Every level has fewer triangles than the one before. Levels are nested: the bark of a level has branches of the finer
     /// one only, and its cards stand for one or several cards of that, or for the leaves of one. Each level's images are half
     /// as wide as those of the one before, 128 pixels at the least. A level is meant for pictures in which the tree is
     /// [so many pixels](Asset::pixels) high. There are fewer levels if there is nothing left to drop.

@@ -133,7 +133,7 @@ pub(super) fn drawn<'a>(parts: &[Part<'a>], skins: &'a [Option<Skin>]) -> Vec<Dr
         .enumerate()
         .map(|(i, part)| Drawn {
             mesh: part.mesh(),
-            copies: part.copies(),
+            copies: part.placed(),
             color: part.material().color(),
             double_sided: part.material().is_double_sided(),
             skin: skin(i),
@@ -153,7 +153,7 @@ pub(super) fn draw(drawn: &[Drawn<'_>], view: View, width: usize, height: usize,
 /// The corners of all triangles of all copies.
 fn points<'a>(parts: &'a [Part<'_>]) -> impl Iterator<Item = Vec3> + 'a {
     parts.iter().flat_map(|part| {
-        part.copies().iter().flat_map(move |copy| {
+        part.placed().into_owned().into_iter().flat_map(move |copy| {
             let matrix = copy.matrix();
             part.mesh()
                 .indices
@@ -270,4 +270,26 @@ fn ssim(a: &Baked, b: &Baked) -> f32 {
         }
     }
     if count > 0 { (sum / f64::from(count)) as f32 } else { 1.0 }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::surface::{Mesh, Transform};
+
+    #[test]
+    fn parts_are_drawn_where_they_are_placed() {
+        let mesh = Mesh::new(vec![Vec3::ZERO, Vec3::X, Vec3::Y], vec![Vec3::Z; 3], vec![0, 1, 2]);
+        let (near, far) = (Part::new(&mesh), Part::new(&mesh).with_transform(Transform::at(Vec3::X * 3.0)));
+        let placed = bounds(&[near, far]).expect("triangles");
+        assert_eq!((placed.min, placed.max), (Vec3::ZERO, Vec3::new(4.0, 1.0, 0.0)));
+        // Half of one triangle's box is covered, and an eighth of the box of both.
+        let share = |parts: &[Part<'_>]| {
+            let image = portrait(parts, 0.0, 0.0, 64).expect("in range");
+            let (all, seen) =
+                (image.width() * image.height(), image.bytes().chunks_exact(3).filter(|p| p[0] < 200));
+            seen.count() as f32 / all as f32
+        };
+        assert!(share(&[near, far]) > 0.0 && share(&[near, far]) < 0.6 * share(&[near]));
+    }
 }

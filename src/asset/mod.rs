@@ -128,8 +128,8 @@ impl Asset {
         self.cards.first()?.textures.as_deref()
     }
 
-    /// By how much the bark may be off the smooth tubes, metres, and a texel of the impostor; 0 for a dense model. Show it
-    /// from where this is less than a pixel.
+    /// The error, metres: how far the bark is from the smooth tubes at the most, or the size of an impostor's texel; 0 for a dense
+    /// model. Show it from where this is less than a pixel.
     pub fn error(&self) -> f32 {
         self.error
     }

@@ -7,7 +7,8 @@ use crate::surface::{Instance, Sway};
 impl Asset {
     /// The asset with [`Wind`](crate::surface::Wind) in all its vertices, so that bark, leaves and cards move together: each leaf and
     /// each card goes with the twig that bears it. Copies become one mesh, since glTF and engines cannot bend instances. Bark that
-    /// has wind already, from [`Tubes::with_wind`](crate::surface::Tubes::with_wind), keeps it; its junctions stay closed exactly.
+    /// has wind already, from [`Tubes::with_wind`](crate::surface::Tubes::with_wind), keeps it, and its junctions stay closed; other
+    /// bark moves with the internode next to each vertex, which may open a junction a little.
     /// O(vertices · log nodes).
     ///
     /// ```

@@ -57,8 +57,8 @@ pub fn write_glb(mesh: &Mesh, options: &GlbOptions, writer: impl Write) -> Resul
     write_glb_parts(&[part], options, writer)
 }
 
-/// Writes bark, leaves and whatever else a tree has into one file. A mesh and a material are written once, however many
-/// instances and parts have them; parts without triangles or without instances are left out.
+/// Writes bark, leaves and whatever else a tree has into one file. A material is written once; a mesh once with
+/// [`Instancing::Extension`] and [`Instancing::Nodes`], and by default with the vertices of all its copies; parts without triangles or without instances are left out.
 ///
 /// O(vertices + triangles + instances) time; O(parts) memory, and a node's text an instance with
 /// [`Instancing::Nodes`].

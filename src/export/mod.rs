@@ -10,7 +10,8 @@
 //! | SVG, `.svg` | [`svg`] | a [`Skeleton`](crate::Skeleton) as a drawing | |
 //! | JSON | `json` | a [`Skeleton`](crate::Skeleton), and back | `json` |
 //!
-//! Only glTF and USD know instances; the others get each leaf's triangles one by one, which never are in memory together.
+//! USD writes instances, and glTF on request ([`GlbOptions::with_instancing`]); glTF by default and the others get each leaf's
+//! triangles one by one, which never are in memory together.
 //! What is written is checked before the first byte, so an error after it is the writer's own.
 
 mod axes;

@@ -58,5 +58,5 @@ impl Leaves {
 
 /// Y to the midrib, Z to where the upper side looks.
 fn rotation(midrib: Vec3, normal: Vec3) -> Quat {
-    Quat::from_mat3(&Mat3::from_cols(midrib.cross(normal), midrib, normal)).normalize()
+    math::unit_rotation(Quat::from_mat3(&Mat3::from_cols(midrib.cross(normal), midrib, normal)))
 }

@@ -208,7 +208,7 @@ impl<'a> Twig<'a> {
             (across.length_squared() > 1e-6 * v.length_squared()).then(|| across.normalize())
         };
         let normal = upper(towards).or_else(|| upper(adaxial)).unwrap_or_else(|| perpendicular(midrib));
-        Quat::from_mat3(&Mat3::from_cols(midrib.cross(normal), midrib, normal)).normalize()
+        math::unit_rotation(Quat::from_mat3(&Mat3::from_cols(midrib.cross(normal), midrib, normal)))
     }
 
     fn scale(&self, seed: u64, number: u32, from_tip: f32) -> f32 {

@@ -1,7 +1,7 @@
 //! Leaves in the wind: each moves with its twig, and flutters.
 
 use super::Leaves;
-use crate::math::sin_cos;
+use crate::math::{self, sin_cos};
 use crate::surface::{Air, Instance, Mesh, SurfaceError, Sway, Wind};
 use glam::{Quat, Vec3};
 
@@ -63,7 +63,8 @@ impl Leaves {
             if angle > 1e-9 {
                 let (sin, cos) = sin_cos(0.5 * angle);
                 let axis = turn * (sin / angle);
-                leaf.rotation = (Quat::from_xyzw(axis.x, axis.y, axis.z, cos) * leaf.rotation).normalize();
+                let turned = math::product(Quat::from_xyzw(axis.x, axis.y, axis.z, cos), leaf.rotation);
+                leaf.rotation = math::unit_rotation(turned);
             }
         }
         leaves

@@ -156,7 +156,7 @@ impl Growing<'_> {
         };
         if table.whorl_spacing > 0.0 {
             // A young tree's years are shorter.
-            let spacing = table.whorl_spacing.min(room / 4.0);
+            let spacing = table.whorl_spacing.max(room / 500.0).min(room / 4.0);
             let mut height = base + spacing * draw.unit();
             while height < stem.end - 0.25 * spacing {
                 let count = draw.whole(table.whorl).max(1);

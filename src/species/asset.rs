@@ -11,7 +11,7 @@ const OLD: f32 = 0.6;
 
 impl Specimen {
     /// The bark of its species as images, the older the thicker the trunk is. Its mean colour is the lightest of trunk, limbs and twigs,
-    /// channel by channel: the vertex colours of [`levels`](Self::levels) take it down to each of them.
+    /// channel by channel; the vertex colours of [`levels`](Self::levels) darken it to each of them.
     pub fn bark_texture(&self) -> Bark {
         let bark = match self.species.bark.kind {
             BarkForm::Smooth => Bark::of_kind(BarkKind::Smooth),
@@ -36,7 +36,8 @@ impl Specimen {
     }
 
     /// Bark with images, leaves and cards in levels of detail, as [`AssetBuilder::levels`]: the finest has at most so many `triangles`
-    /// (`None` for all there are), the others these shares of them; images of `side` pixels, a power of two from 128 to 8192.
+    /// (`None` for all there are), the others these shares of them; images of `side` pixels, a power of two from 128 to 8192. No vertex
+    /// has wind; [`Asset::in_wind`] gives it.
     ///
     /// ```
     /// use treesynth::species;

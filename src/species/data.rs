@@ -167,9 +167,9 @@ pub struct Limbs {
     pub rise: [f32; 2],
     /// The same at its end.
     pub rise_at_end: [f32; 2],
-    /// By how much weak limbs fall short of the crown's outline, a part.
+    /// Fraction by which weak limbs fall short of the crown's outline, 0 to 1.
     pub unequal: f32,
-    /// Crookedness: degrees a metre.
+    /// Crookedness: the mean turn over one metre, degrees; over other ways it grows with their square root.
     pub crooked: f32,
     /// The inner part of a limb without branches.
     pub bare: f32,
@@ -243,13 +243,13 @@ pub struct Laterals {
     pub length: [f32; 2],
     /// By how much of a right angle and more they turn upwards on their way; negative: hang.
     pub rise: f32,
-    /// By how much they leave the level plane less than they would, 0 to 1: flat sprays.
+    /// Flattening towards the horizontal plane: 0 none, 1 flat sprays.
     pub flat: f32,
-    /// Crookedness: degrees a metre.
+    /// Crookedness: the mean turn over one metre, degrees; over other ways it grows with their square root.
     pub crooked: f32,
     /// The inner part without laterals of its own.
     pub bare: f32,
-    /// By how much weak ones are shorter than their place says, a part.
+    /// Fraction by which weak laterals are shorter than their position alone gives, 0 to 1.
     pub unequal: f32,
 }
 

@@ -285,7 +285,7 @@ impl Species {
     ///
     /// let mine = Species::parse("name = \"my thorn\"\n[size]\nheight = [1.5, 9]\nusual_diameter = 0.2\n")?;
     /// assert_eq!(mine.size.height, [1.5, 9.0]);
-    /// let wrong = Species::parse("name = \"my thorn\"\n[size]\nhight = [1.5, 9]\n").unwrap_err();
+    /// let wrong = Species::parse("name = \"my thorn\"\n[size]\nheigth = [1.5, 9]\n").unwrap_err();
     /// assert_eq!(wrong.to_string(), "line 3: size.heigth: there is no such field; did you mean size.height?");
     /// # Ok::<(), treesynth::species::SpeciesTextError>(())
     /// ```

@@ -64,7 +64,7 @@ impl Instance {
 
 /// A mesh with a material and a name, once, or as often as there are instances.
 ///
-/// Instances are never multiplied out in memory: files that know no instances get their copies one by one.
+/// Instances are never multiplied out in memory: files without instances get their copies one by one.
 ///
 /// ```
 /// use treesynth::surface::{Instance, Material, Mesh, Part};

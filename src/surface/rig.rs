@@ -4,7 +4,7 @@ use super::Mesh;
 use super::sway::Sway;
 use super::wind::Air;
 use crate::Skeleton;
-use crate::math::{UP, sin_cos};
+use crate::math::{self, UP, sin_cos};
 use glam::{Quat, Vec3, Vec4};
 
 /// The most bones of the trunk, besides the one that stands still.
@@ -142,7 +142,7 @@ impl Rig {
         }
         let (sin, cos) = sin_cos(0.5 * angle);
         let axis = turn * (sin / angle);
-        Quat::from_xyzw(axis.x, axis.y, axis.z, cos).normalize()
+        math::unit_rotation(Quat::from_xyzw(axis.x, axis.y, axis.z, cos))
     }
 
     /// The bones of each vertex of a mesh that has wind, and their weights, which add up to 1. O(vertices).

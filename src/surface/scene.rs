@@ -5,7 +5,7 @@ use crate::ParameterError;
 
 /// Trees, or whatever else is made of parts, each in its place.
 ///
-/// The same tree may stand in many places: files that know how have each of its meshes and images once
+/// The same tree may stand in many places: formats with instances have each of its meshes and images once
 /// ([`write_glb_scene`](crate::export::write_glb_scene), [`write_usda`](crate::export::write_usda)). For everything
 /// else [`parts`](Self::parts) gives a list of parts that are in their places.
 ///

@@ -1,7 +1,7 @@
 //! Where a whole part, or a whole tree, stands.
 
 use super::Instance;
-use crate::ParameterError;
+use crate::{ParameterError, math};
 use glam::{Mat3, Quat, Vec3};
 
 /// A place for a part or a tree: scaled, then turned, then moved.
@@ -59,7 +59,7 @@ impl Transform {
         }
         Self {
             position: self.point(inner.position),
-            rotation: product(self.rotation, inner.rotation),
+            rotation: math::product(self.rotation, inner.rotation),
             scale: self.scale * inner.scale,
         }
     }
@@ -79,16 +79,6 @@ impl Transform {
         let range = "a finite position, a rotation of length 1 and a positive scale";
         ParameterError::unless(holds, name, self, range)
     }
-}
-
-/// The rotation by `b`, then by `a`, term by term: glam's own product takes other steps on other processors.
-fn product(a: Quat, b: Quat) -> Quat {
-    Quat::from_xyzw(
-        a.w * b.x + a.x * b.w + a.y * b.z - a.z * b.y,
-        a.w * b.y - a.x * b.z + a.y * b.w + a.z * b.x,
-        a.w * b.z + a.x * b.y - a.y * b.x + a.z * b.w,
-        a.w * b.w - a.x * b.x - a.y * b.y - a.z * b.z,
-    )
 }
 
 #[cfg(test)]

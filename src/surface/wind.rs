@@ -54,8 +54,8 @@ use std::f32::consts::TAU;
 /// ```
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct Wind {
-    /// Of the trunk, the limb and the twig that bear the vertex: by how much a turn of the whole would have to be as far
-    /// away to move it as their bending does; metres times radians. Zero for levels that do not bear it.
+    /// Of the trunk, the limb and the twig that bear the vertex: the integral of the bending times the distance, along the way to the
+    /// vertex; metres times radians. Zero for levels that do not bear it.
     pub moments: [Vec3; 3],
     /// The unit directions of the limb and of the twig, from base to tip; the same on all that they bear, and zero where there
     /// is none.
@@ -82,8 +82,8 @@ impl Wind {
     /// After so many seconds the motion repeats.
     pub const PERIOD: f32 = 8.0;
 
-    /// Where a vertex at `position` is, `time` seconds on, when the wind blows by `gust`: a direction in which 1 is the
-    /// strongest wind; longer ones count as 1, and so do none that are not finite as no wind. Without wind the
+    /// Where a vertex at `position` is, `time` seconds on, when the wind blows by `gust`: a direction whose length is the strength, 1 for
+    /// the strongest wind. Longer gusts are clamped to 1; a gust that is not finite counts as no wind. Without wind the
     /// position comes back bit by bit. See [`Wind`] for the formula.
     pub fn blown(&self, position: Vec3, time: f32, gust: Vec3) -> Vec3 {
         let Some(air) = Air::new(time, gust) else { return position };

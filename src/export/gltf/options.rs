@@ -97,7 +97,7 @@ impl GlbOptions {
     }
 
     /// For each level of [`write_glb_levels`](super::write_glb_levels) the part of the screen's height down to which it is
-    /// shown, 0 to 1, falling: `MSFT_screencoverage`. Default none: the program decides.
+    /// shown, 0 to 1, falling: `MSFT_screencoverage`. Default none: the program decides. Scenes have no levels: they ignore this.
     pub fn with_coverages(mut self, coverages: impl Into<Vec<f32>>) -> Self {
         self.coverages = coverages.into();
         self
@@ -105,7 +105,7 @@ impl GlbOptions {
 
     /// Whether numbers are rounded, so that a file has about half the bytes or less (`KHR_mesh_quantization`): positions to
     /// 1/65,535 of the mesh's longest side, normals, tangents and colours to 8 bits, texture coordinates to 16 bits where all
-    /// lie in 0 to 1. Default false, for the extension is **required** then: what does not know it refuses the file. three.js,
+    /// lie in 0 to 1. Default false, for the extension is **required** then: readers without it reject the file. three.js,
     /// Blender, Godot, Babylon.js and glTFast know it.
     ///
     /// Each mesh's node scales it back. Moments and flutter of the wind are in the same numbers as the positions.
