@@ -98,9 +98,15 @@ struct Corner {
     normal: Vec3,
 }
 
+/// Points of a picture: 32 bytes each.
+const MOST_POINTS: usize = 1 << 24;
+
 impl Raster {
-    /// A picture of so many pixels with `samples` x `samples` points in each.
+    /// A picture of so many pixels with `samples` x `samples` points in each, or fewer where that would be more than
+    /// [`MOST_POINTS`].
     pub(super) fn new(view: View, width: usize, height: usize, samples: usize) -> Self {
+        let fits = |samples: &usize| width * height * samples * samples <= MOST_POINTS;
+        let samples = (1..=samples).rev().find(fits).unwrap_or(1);
         let nothing = Sample { depth: f32::NEG_INFINITY, color: [0.0; 3], normal: Vec3::ZERO, layers: 0.0 };
         Self { view, width, height, samples, all: vec![nothing; width * height * samples * samples] }
     }
