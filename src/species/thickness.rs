@@ -155,15 +155,16 @@ fn stems(species: &Species, wood: &Wood, plan: &Numbers, radii: &mut [f32]) {
     // To the diameter wished for, exactly.
     let measured = at_breast(wood, radii);
     if measured > 0.0 {
-        // Of a tree hardly higher than that, the diameter there is nearly the tip's, and says nothing about the base.
-        let factor = (plan.dbh * 0.5 / measured).min(MOST_THICKER);
+        let factor = plan.dbh * 0.5 / measured;
+        // Of a stem hardly higher than that, the diameter there is nearly the tip's, and says nothing about the base.
+        let factor = if tops[0] < 1.25 * BREAST { factor.min(MOST_THICKER) } else { factor };
         for node in (0..count).filter(|&node| is_stem(node) && wood.orders[node] == 0) {
             radii[node] = (radii[node] * factor).max(tip);
         }
     }
 }
 
-/// By how much stems become thicker at the most than their profile, to meet the diameter wished for.
+/// By how much low stems become thicker at the most than their profile, to meet the diameter wished for.
 const MOST_THICKER: f32 = 1.3;
 
 /// Radius over that at breast height, by height: linear between the measured ones, down to the shoot at the top.
