@@ -106,10 +106,14 @@ proptest! {
         let higher = choose(&graph, seed, policy().only(Side::Higher));
         prop_assert!(heights(&graph, &lower).iter().all(|(end, source)| end < source));
         prop_assert!(heights(&graph, &higher).iter().all(|(end, source)| end > source));
-        // Both sides together are the surface: no height of a node is exactly another's.
+        // Both sides together are the surface, but for nodes that are exactly as high as a node of the tree.
         let both: BTreeSet<u32> = lower.chosen.iter().chain(&higher.chosen).copied().collect();
         prop_assert_eq!(lower.chosen.len() + higher.chosen.len(), both.len());
-        prop_assert_eq!(both, surface_of(&lower));
+        let surface = surface_of(&lower);
+        prop_assert!(both.is_subset(&surface));
+        let height = |node: u32| graph.position(node).y.to_bits();
+        let level = |node: &u32| lower.tree.iter().any(|&other| height(other) == height(*node));
+        prop_assert!(surface.difference(&both).all(level));
     }
 
     /// "Graph distance with random weights rather than strictly counting edges": edges count 1 ± ρ.
