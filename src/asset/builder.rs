@@ -5,6 +5,7 @@ use super::card::{self, Kind, Source};
 use super::cluster::{self, Cluster, Leaf};
 use super::leaf::Dress;
 use super::measure::{Frame, Tally, draw, drawn, lit, skins};
+use super::tangents::with_tangents;
 use super::{Asset, AssetError, Piece};
 use crate::foliage::{Foliage, Leaves};
 use crate::random::{self, Purpose};
@@ -514,7 +515,7 @@ impl<'a> Tree<'a> {
         let leaves = self.dresses.iter().zip(instances).filter(|(_, instances)| !instances.is_empty());
         let leaves = leaves.map(|(dress, instances)| Piece {
             name: "leaves",
-            mesh: dress.mesh.clone(),
+            mesh: with_tangents(dress.mesh.clone(), dress.textures.as_deref()),
             material: dress.material,
             textures: dress.textures.clone(),
             instances,

@@ -11,6 +11,7 @@ mod levels;
 mod measure;
 mod mips;
 mod skin;
+mod tangents;
 mod wind;
 
 pub use builder::AssetBuilder;
