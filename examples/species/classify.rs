@@ -6,11 +6,12 @@ use rayon::prelude::*;
 use treesynth::species::{self, SpeciesError};
 
 /// The measures of a tree that names are told by: leaf areas at given trunks are left out.
-fn features(tree: &species::Specimen) -> Vec<f64> {
-    let all = measure::all(tree);
+fn features(tree: &species::Specimen) -> Result<Vec<f64>, SpeciesError> {
+    let all = measure::all(tree)?;
     // Stems that end below a height have no diameter there.
     let kept = (0..COUNT).filter(|index| ![2, 3, 9, 10, 11].contains(index)).map(|index| all[index]);
-    kept.chain(measure::more(tree)).map(|value| if value.is_finite() { value } else { 0.0 }).collect()
+    let finite = |value: f64| if value.is_finite() { value } else { 0.0 };
+    Ok(kept.chain(measure::more(tree)).map(finite).collect())
 }
 
 pub(crate) fn lines(seeds: u64) -> Result<Vec<String>, Failure> {
@@ -20,7 +21,7 @@ pub(crate) fn lines(seeds: u64) -> Result<Vec<String>, Failure> {
         .into_par_iter()
         .map(|index| {
             let species = &all[index / seeds as usize];
-            Ok(features(&species.request().with_seed(index as u64 % seeds).grow()?))
+            features(&species.request().with_seed(index as u64 % seeds).grow()?)
         })
         .collect();
     let trees = trees?;

@@ -1,8 +1,10 @@
 //! What a forester measures, on a grown tree.
 
-use treesynth::glam::{Vec2, Vec3};
-use treesynth::math;
+use treesynth::foliage::Leaves;
+use treesynth::glam::Vec3;
+use treesynth::metrics::CrownRadii;
 use treesynth::species::Specimen;
+use treesynth::{Metrics, ParameterError, math};
 
 /// The measures, in the order of the table.
 pub(crate) const NAMES: [&str; COUNT] = [
@@ -26,30 +28,32 @@ pub(crate) const COUNT: usize = 15;
 pub(crate) const LEAF_AREA: [usize; 2] = [2, 3];
 
 /// All of one tree, but the leaf areas at trunks of given size, which are NaN; NaN also where there is nothing to measure.
-pub(crate) fn all(tree: &Specimen) -> [f64; COUNT] {
+pub(crate) fn all(tree: &Specimen) -> Result<[f64; COUNT], ParameterError> {
     let numbers = &tree.numbers;
     let (height, dbh) = (f64::from(numbers.height), f64::from(numbers.dbh));
-    let [spread, off, width] = crown(tree);
+    let metrics = Metrics::of(&tree.skeleton);
+    let four = CrownRadii::of(&tree.skeleton, 4)?;
+    let width = 2.0 * CrownRadii::of(&tree.skeleton, 8)?.mean();
     let projection = std::f64::consts::PI / 4.0 * width * width;
-    let (volume, diameters) = stem(tree);
-    let (twig, twig_spread) = twigs(tree);
-    [
+    let measured = |value: Option<f64>| value.unwrap_or(f64::NAN);
+    let [quarter, half, three_quarters] = metrics.stem_taper.map(measured);
+    Ok([
         height / dbh,
         width / height,
         f64::NAN,
         f64::NAN,
         f64::from(numbers.leaf_area) / projection,
         limb_angle(tree),
-        twig * 1000.0,
-        twig_spread,
-        volume / (std::f64::consts::PI / 4.0 * dbh * dbh * height),
-        diameters[0] / dbh,
-        diameters[1] / dbh,
-        diameters[2] / dbh,
-        spread,
-        off,
+        metrics.mean_tip_radius * 1000.0,
+        metrics.tip_radius_variation,
+        measured(metrics.form_factor),
+        quarter,
+        half,
+        three_quarters,
+        four.variation(),
+        four.offset(),
         inclination(tree),
-    ]
+    ])
 }
 
 /// What tells species apart beside these: length of the median leaf, length of shoots, height of the crown's base, limbs.
@@ -87,47 +91,6 @@ pub(crate) fn median(mut values: Vec<f64>) -> f64 {
     }
 }
 
-/// CV of the radii in four directions, the middle's distance from the stem over the mean radius, and the crown's
-/// diameter, twice the mean of eight radii. A radius is the farthest node of its sector.
-fn crown(tree: &Specimen) -> [f64; 3] {
-    let sectors = |count: usize| {
-        let mut radii = vec![0.0f64; count];
-        for place in tree.skeleton.positions() {
-            let turn = math::atan2(place.z, place.x) / std::f32::consts::TAU + 1.0;
-            let sector = (turn * count as f32 + 0.5) as usize % count;
-            radii[sector] = radii[sector].max(f64::from(Vec2::new(place.x, place.z).length()));
-        }
-        radii
-    };
-    let radii = sectors(4);
-    let mean = radii.iter().sum::<f64>() / 4.0;
-    let variance = radii.iter().map(|radius| (radius - mean).powi(2)).sum::<f64>() / 3.0;
-    let [dx, dz] = [(radii[0] - radii[2]) / 2.0, (radii[1] - radii[3]) / 2.0];
-    [variance.sqrt() / mean, (dx * dx + dz * dz).sqrt() / mean, 2.0 * sectors(8).iter().sum::<f64>() / 8.0]
-}
-
-/// The trunk's volume as a row of cones, and its diameters at a quarter, half and three quarters of the tree's height.
-fn stem(tree: &Specimen) -> (f64, [f64; 3]) {
-    let skeleton = &tree.skeleton;
-    let (places, radii) = (skeleton.positions(), skeleton.radii());
-    let mut volume = 0.0;
-    let mut course = vec![(0.0, f64::from(radii[0]))];
-    for (node, parent) in skeleton.edges().filter(|(node, _)| skeleton.orders()[*node] == 0) {
-        let length = f64::from(places[node].distance(places[parent]));
-        let [a, b] = [parent, node].map(|node| f64::from(radii[node]));
-        volume += std::f64::consts::PI * length * (a * a + a * b + b * b) / 3.0;
-        course.push((f64::from(places[node].y), b));
-    }
-    let at = |height: f64| {
-        let above = course.iter().position(|(y, _)| *y >= height).filter(|index| *index > 0);
-        above.map_or(f64::NAN, |index| {
-            let (low, high) = (course[index - 1], course[index]);
-            2.0 * (low.1 + (high.1 - low.1) * (height - low.0) / (high.0 - low.0).max(1e-9))
-        })
-    };
-    (volume, [0.25, 0.5, 0.75].map(|part| at(part * f64::from(tree.numbers.height))))
-}
-
 /// The median angle between limbs and the stem below them, over the first two internodes, degrees.
 fn limb_angle(tree: &Specimen) -> f64 {
     let skeleton = &tree.skeleton;
@@ -147,20 +110,13 @@ fn limb_angle(tree: &Specimen) -> f64 {
     median(angles)
 }
 
-/// Mean radius of tips, metres, and its coefficient of variation.
-fn twigs(tree: &Specimen) -> (f64, f64) {
-    let radii: Vec<f64> = tree.skeleton.tips().map(|tip| f64::from(tree.skeleton.radii()[tip])).collect();
-    let mean = radii.iter().sum::<f64>() / radii.len() as f64;
-    let variance = radii.iter().map(|radius| (radius - mean).powi(2)).sum::<f64>() / radii.len() as f64;
-    (mean, variance.sqrt() / mean)
-}
-
 /// The mean angle between blades and the level, degrees.
 fn inclination(tree: &Specimen) -> f64 {
-    let leaves = tree.leaves.as_ref().map_or(&[][..], |leaves| &leaves.instances);
-    let angles = leaves.iter().map(|leaf| {
-        let up = leaf.rotation_matrix() * Vec3::Z;
-        f64::from(math::acos(up.y.abs()).to_degrees())
-    });
-    angles.sum::<f64>() / leaves.len() as f64
+    let angles: Vec<f64> = tree
+        .leaves
+        .iter()
+        .flat_map(Leaves::inclinations)
+        .map(|angle| f64::from(angle.to_degrees()))
+        .collect();
+    angles.iter().sum::<f64>() / angles.len() as f64
 }

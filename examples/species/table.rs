@@ -37,7 +37,7 @@ pub(crate) fn lines(seeds: u64) -> Result<Vec<String>, Failure> {
             .into_par_iter()
             .map(|seed| {
                 let tree = species.request().with_height(10.0).in_a_stand(2.0).with_seed(seed).grow()?;
-                let all = measure::all(&tree);
+                let all = measure::all(&tree)?;
                 Ok([all[0], all[8]])
             })
             .collect();
@@ -63,7 +63,7 @@ fn medians(name: &str, seeds: u64) -> Result<[f64; COUNT], Failure> {
     let trees: Result<Vec<[f64; COUNT]>, SpeciesError> = (0..seeds)
         .into_par_iter()
         .map(|seed| {
-            let mut all = measure::all(&species.request().with_seed(seed).grow()?);
+            let mut all = measure::all(&species.request().with_seed(seed).grow()?)?;
             for (index, dbh) in LEAF_AREA.into_iter().zip([0.2, 0.4]) {
                 if (species.size.diameter[0]..=species.size.diameter[1]).contains(&dbh) {
                     let tree = species.request().with_dbh(dbh).with_seed(seed).grow()?;

@@ -1,8 +1,7 @@
 //! Baked pictures side by side in one image: colours bled under the edge, normals, light from behind.
 
 use super::bake::{Baked, Pixel};
-use super::mips::Tones;
-use crate::texture::{Image, TextureError, Textures};
+use crate::texture::{Image, TextureError, Textures, Tones};
 use glam::Vec3;
 
 /// Empty pixels about what is drawn in a cell, at full size.

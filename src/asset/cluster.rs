@@ -28,11 +28,7 @@ impl Leaf {
         for (number, leaves) in leaves.iter().enumerate() {
             let mesh = leaves.leaf.mesh();
             let Some(bounds) = mesh.bounds() else { continue };
-            let area = |corners: [u32; 3]| {
-                let [a, b, c] = corners.map(|corner| mesh.positions[corner as usize]);
-                0.5 * (b - a).cross(c - a).length()
-            };
-            let area: f32 = mesh.triangles().map(area).sum();
+            let area = mesh.area();
             all.extend(leaves.instances.iter().enumerate().map(|(i, &copy)| Self {
                 dress: dress(number, i),
                 copy,

@@ -2,12 +2,11 @@
 
 use super::AssetError;
 use super::bake::{Baked, Drawn, Raster, Sample, View};
-use super::mips::Tones;
 use super::skin::Skin;
 use crate::math;
 use crate::shape::Bounds;
 use crate::surface::Part;
-use crate::texture::{Image, Textures};
+use crate::texture::{Image, Textures, Tones};
 use crate::{ParameterError, parallel};
 use glam::{Vec2, Vec3};
 use std::f32::consts::TAU;

@@ -9,7 +9,6 @@ mod impostor;
 mod leaf;
 mod levels;
 mod measure;
-mod mips;
 mod skin;
 mod tangents;
 mod wind;
@@ -18,7 +17,6 @@ pub use builder::AssetBuilder;
 pub use impostor::{Impostor, Octahedral};
 pub use leaf::LeafImages;
 pub use measure::{Likeness, portrait};
-pub use mips::{alpha_coverage, mips};
 
 use crate::ParameterError;
 use crate::foliage::FoliageError;

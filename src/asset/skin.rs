@@ -1,9 +1,8 @@
 //! Images as a rasterizer reads them.
 
-use super::mips;
 use crate::math;
 use crate::surface::Mesh;
-use crate::texture::{Image, Textures};
+use crate::texture::{self, Image, Textures};
 use glam::{Vec2, Vec3, Vec4};
 
 /// The colours and normals of some textures, in all sizes.
@@ -39,8 +38,8 @@ impl Skin {
     pub(super) fn new(textures: &Textures) -> Self {
         let cutoff = textures.alpha_cutoff().filter(|_| textures.is_masked());
         Self {
-            color: textures.base_color().map(|image| mips::colors(image, cutoff)).unwrap_or_default(),
-            normal: textures.normal().map(mips::normals).unwrap_or_default(),
+            color: textures.base_color().map(|image| texture::mips(image, cutoff)).unwrap_or_default(),
+            normal: textures.normal().map(texture::normal_mips).unwrap_or_default(),
             cutoff,
             linear: (0..256).map(|tone| math::linear(tone as f32 / 255.0)).collect(),
         }

@@ -7,20 +7,10 @@ use crate::metrics::projected_area;
 use glam::Vec3;
 
 impl Leaves {
-    /// Area of one leaf of scale 1, square metres, of one side: leaves are sheets. O(triangles).
-    fn unit_area(&self) -> f64 {
-        let mesh = self.leaf.mesh();
-        let of = |triangle: [u32; 3]| {
-            let [a, b, c] = triangle.map(|vertex| mesh.positions[vertex as usize]);
-            0.5 * f64::from((b - a).cross(c - a).length())
-        };
-        mesh.triangles().map(of).sum()
-    }
-
     /// One-sided area of all leaves, square metres: of the triangles of each, so that what is folded counts in full. O(leaves).
     pub fn area(&self) -> f64 {
         let squares = self.instances.iter().map(|leaf| f64::from(leaf.scale) * f64::from(leaf.scale));
-        self.unit_area() * squares.sum::<f64>()
+        f64::from(self.leaf.mesh().area()) * squares.sum::<f64>()
     }
 
     /// Leaf area index: [`area`](Self::area) over the [ground below the crown](projected_area) of `skeleton`. `None` where that

@@ -69,12 +69,7 @@ impl Canopy {
         let size = (bounds.size() / cell).as_ivec3() + IVec3::ONE;
         let cells = (size.x * size.y * size.z) as usize;
         let mut canopy = Self { low: bounds.min, cell, size, lights: vec![0.0; cells] };
-        let mesh = leaves.leaf.mesh();
-        let area = |corners: [u32; 3]| {
-            let [a, b, c] = corners.map(|index| mesh.positions[index as usize]);
-            0.5 * (b - a).cross(c - a).length()
-        };
-        let area: f32 = mesh.triangles().map(area).sum();
+        let area = leaves.leaf.mesh().area();
         // Square metres of leaves a cubic metre.
         let mut densities = vec![0.0f32; cells];
         for leaf in &leaves.instances {

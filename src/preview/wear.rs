@@ -1,7 +1,7 @@
 //! The images that a part wears, at every size at which they may be seen.
 
 use crate::math;
-use crate::texture::{Image, Textures};
+use crate::texture::{self, Image, Textures};
 use glam::{Vec2, Vec3, Vec4, Vec4Swizzles};
 use std::f32::consts::LOG2_E;
 
@@ -33,19 +33,9 @@ struct Map<'a> {
 }
 
 impl<'a> Map<'a> {
-    fn new(base: &'a Image, is_color: bool, cutoff: Option<f32>, tones: &Tones) -> Self {
-        let covered = cutoff.map(|cutoff| (cutoff, coverage(base, cutoff)));
-        let mut smaller: Vec<Image> = Vec::new();
-        // What is averaged has not been made to keep its coverage.
-        let mut last: Option<Image> = None;
-        while let Some(half) = halved(last.as_ref().unwrap_or(base), is_color, tones) {
-            smaller.push(match covered {
-                Some((cutoff, covered)) => keep_coverage(&half, cutoff, covered),
-                None => half.clone(),
-            });
-            last = Some(half);
-        }
-        Self { base, smaller, is_color }
+    fn new(base: &'a Image, is_color: bool, cutoff: Option<f32>) -> Self {
+        let all = if is_color { texture::mips(base, cutoff) } else { texture::plain_mips(base) };
+        Self { base, smaller: all.into_iter().skip(1).collect(), is_color }
     }
 
     fn level(&self, level: usize) -> &Image {
@@ -53,7 +43,7 @@ impl<'a> Map<'a> {
     }
 
     /// Between four texels of one level; linear, alpha last.
-    fn bilinear(&self, level: usize, uv: Vec2, tones: &Tones) -> Vec4 {
+    fn bilinear(&self, level: usize, uv: Vec2, tables: &Tables) -> Vec4 {
         let image = self.level(level);
         let place = |u: f32, side: u32| {
             let at = (u - u.floor()) * side as f32 + side as f32 - 0.5;
@@ -62,7 +52,7 @@ impl<'a> Map<'a> {
         };
         let ((left, right, dx), (upper, lower, dy)) =
             (place(uv.x, image.width()), place(uv.y, image.height()));
-        let table = if self.is_color { &tones.linear } else { &tones.plain };
+        let table = if self.is_color { &tables.linear } else { &tables.plain };
         let texel = |x, y| {
             let pixel = image.pixel(x, y);
             let alpha = pixel.get(3).map_or(1.0, |&alpha| f32::from(alpha) / 255.0);
@@ -75,123 +65,54 @@ impl<'a> Map<'a> {
     }
 
     /// Between two levels, so many halvings from the image itself.
-    fn trilinear(&self, halvings: f32, uv: Vec2, tones: &Tones) -> Vec4 {
+    fn trilinear(&self, halvings: f32, uv: Vec2, tables: &Tables) -> Vec4 {
         let halvings = halvings.clamp(0.0, self.smaller.len() as f32);
         let (level, part) = (halvings as usize, halvings - (halvings as usize) as f32);
-        let near = self.bilinear(level, uv, tones);
-        if part > 0.0 { near.lerp(self.bilinear(level + 1, uv, tones), part) } else { near }
+        let near = self.bilinear(level, uv, tables);
+        if part > 0.0 { near.lerp(self.bilinear(level + 1, uv, tables), part) } else { near }
     }
 
     /// The mean over a footprint: several samples along its longer side, each as wide as the shorter one.
-    fn sample(&self, at: &Footprint, tones: &Tones) -> Vec4 {
+    fn sample(&self, at: &Footprint, tables: &Tables) -> Vec4 {
         let size = Vec2::new(self.base.width() as f32, self.base.height() as f32);
         let (right, below) = ((at.right * size).length(), (at.below * size).length());
         let (long, short, way) =
             if right > below { (right, below, at.right) } else { (below, right, at.below) };
         if !(long > 0.0 && long.is_finite()) {
-            return self.trilinear(0.0, at.uv, tones);
+            return self.trilinear(0.0, at.uv, tables);
         }
         let taps = (long / short.max(1.0)).ceil().clamp(1.0, MOST_TAPS);
         let halvings = log2(short.max(long / taps));
         let mut sum = Vec4::ZERO;
         for tap in 0..taps as usize {
             let part = (tap as f32 + 0.5) / taps - 0.5;
-            sum += self.trilinear(halvings, at.uv + way * part, tones);
+            sum += self.trilinear(halvings, at.uv + way * part, tables);
         }
         sum / taps
     }
 }
 
-/// The part of an image's pixels that are drawn.
-fn coverage(image: &Image, cutoff: f32) -> f32 {
-    let pixels = image.bytes().chunks_exact(4);
-    let all = pixels.len() as f32;
-    pixels.filter(|pixel| f32::from(pixel[3]) >= cutoff * 255.0).count() as f32 / all
-}
-
-/// Multiplies alpha so that as much of it is drawn as of the whole image (Castaño 2010).
-fn keep_coverage(image: &Image, cutoff: f32, covered: f32) -> Image {
-    let mut counts = [0u32; 256];
-    image.bytes().chunks_exact(4).for_each(|pixel| counts[usize::from(pixel[3])] += 1);
-    let wanted = covered * image.width() as f32 * image.height() as f32;
-    let (mut sum, mut limit) = (0.0, 256usize);
-    while limit > 1 && sum + 0.5 < wanted {
-        limit -= 1;
-        sum += counts[limit] as f32;
-    }
-    let factor = cutoff * 255.0 / limit as f32;
-    let mut bytes = image.bytes().to_vec();
-    for pixel in bytes.chunks_exact_mut(4) {
-        pixel[3] = (f32::from(pixel[3]) * factor + 0.5).min(255.0) as u8;
-    }
-    Image::new(image.width(), image.height(), 4, bytes).unwrap_or_else(|_| image.clone())
-}
-
-/// An image of half the size: means of light, weighted by alpha. `None` of a single pixel.
-fn halved(image: &Image, is_color: bool, tones: &Tones) -> Option<Image> {
-    if image.width().max(image.height()) == 1 {
-        return None;
-    }
-    let (width, height) = ((image.width() / 2).max(1), (image.height() / 2).max(1));
-    let channels = usize::from(image.channels());
-    let table = if is_color { &tones.linear } else { &tones.plain };
-    let mut bytes = Vec::with_capacity(width as usize * height as usize * channels);
-    for y in 0..height {
-        for x in 0..width {
-            let four = [(0, 0), (1, 0), (0, 1), (1, 1)].map(|(i, j)| {
-                let place = |at: u32, step: u32, side: u32| (2 * at + step).min(side - 1);
-                image.pixel(place(x, i, image.width()), place(y, j, image.height()))
-            });
-            let weight = |pixel: &[u8]| pixel.get(3).map_or(1.0, |&alpha| f32::from(alpha) + 1e-3);
-            let weights = four.map(weight);
-            let whole: f32 = weights.iter().sum();
-            for channel in 0..channels.min(3) {
-                let sum: f32 =
-                    four.iter().zip(weights).map(|(pixel, w)| table[usize::from(pixel[channel])] * w).sum();
-                bytes.push(if is_color {
-                    tones.srgb(sum / whole)
-                } else {
-                    (sum / whole * 255.0 + 0.5) as u8
-                });
-            }
-            if channels == 4 {
-                let sum: u32 = four.iter().map(|pixel| u32::from(pixel[3])).sum();
-                bytes.push(((sum + 2) / 4) as u8);
-            }
-        }
-    }
-    Image::new(width, height, image.channels(), bytes).ok()
-}
-
-/// Between bytes and light.
+/// What the bytes of an image stand for, as light and as they are.
 #[derive(Debug)]
-struct Tones {
+struct Tables {
     linear: Vec<f32>,
     plain: Vec<f32>,
-    srgb: Vec<u8>,
 }
 
-impl Tones {
-    const STEPS: usize = 16384;
-
+impl Tables {
     fn new() -> Self {
-        let part = |i: usize, last: usize| i as f32 / last as f32;
+        let part = |i: u16| f32::from(i) / 255.0;
         Self {
-            linear: (0..256).map(|i| math::linear(part(i, 255))).collect(),
-            plain: (0..256).map(|i| part(i, 255)).collect(),
-            srgb: (0..=Self::STEPS).map(|i| (math::srgb(part(i, Self::STEPS)) * 255.0 + 0.5) as u8).collect(),
+            linear: (0..256).map(|i| math::linear(part(i))).collect(),
+            plain: (0..256).map(part).collect(),
         }
-    }
-
-    fn srgb(&self, linear: f32) -> u8 {
-        self.srgb[(linear.clamp(0.0, 1.0) * Self::STEPS as f32 + 0.5) as usize]
     }
 }
 
 /// The images of one material, ready to be drawn.
 #[derive(Debug)]
 pub(super) struct Wear<'a> {
-    tones: Tones,
+    tables: Tables,
     color: Option<Map<'a>>,
     normal: Option<Map<'a>>,
     occlusion_roughness: Option<Map<'a>>,
@@ -202,41 +123,39 @@ pub(super) struct Wear<'a> {
 
 impl<'a> Wear<'a> {
     pub(super) fn new(textures: &'a Textures) -> Self {
-        let tones = Tones::new();
         let cutoff = textures.alpha_cutoff().filter(|_| textures.is_masked());
-        let map = |image: Option<&'a Image>, is_color, cutoff| {
-            image.map(|image| Map::new(image, is_color, cutoff, &tones))
-        };
+        let map =
+            |image: Option<&'a Image>, is_color, cutoff| image.map(|image| Map::new(image, is_color, cutoff));
         Self {
             color: map(textures.base_color(), true, cutoff),
             normal: map(textures.normal(), false, None),
             occlusion_roughness: map(textures.occlusion_roughness_metallic(), false, None),
             transmission: map(textures.transmission(), true, None),
             cutoff,
-            tones,
+            tables: Tables::new(),
         }
     }
 
     /// The colour, linear; white if there is no image of it.
     pub(super) fn color(&self, at: &Footprint) -> Vec3 {
-        self.color.as_ref().map_or(Vec3::ONE, |map| map.sample(at, &self.tones).xyz())
+        self.color.as_ref().map_or(Vec3::ONE, |map| map.sample(at, &self.tables).xyz())
     }
 
     /// The normal in tangent space, up the image as +Y; not normalized.
     pub(super) fn normal(&self, at: &Footprint) -> Option<Vec3> {
-        let normal = self.normal.as_ref()?.sample(at, &self.tones).xyz() * 2.0 - 1.0;
+        let normal = self.normal.as_ref()?.sample(at, &self.tables).xyz() * 2.0 - 1.0;
         Some(normal)
     }
 
     /// Occlusion and roughness.
     pub(super) fn occlusion_roughness(&self, at: &Footprint) -> Option<(f32, f32)> {
-        let texel = self.occlusion_roughness.as_ref()?.sample(at, &self.tones);
+        let texel = self.occlusion_roughness.as_ref()?.sample(at, &self.tables);
         Some((texel.x, texel.y))
     }
 
     /// The colour of light from behind.
     pub(super) fn transmission(&self, at: &Footprint) -> Option<Vec3> {
-        Some(self.transmission.as_ref()?.sample(at, &self.tones).xyz())
+        Some(self.transmission.as_ref()?.sample(at, &self.tables).xyz())
     }
 
     pub(super) fn is_masked(&self) -> bool {
@@ -246,7 +165,7 @@ impl<'a> Wear<'a> {
     /// Whether there is something at a place, seen at so many halvings.
     fn is_there(&self, uv: Vec2, halvings: f32) -> bool {
         let (Some(map), Some(cutoff)) = (&self.color, self.cutoff) else { return true };
-        map.trilinear(halvings, uv, &self.tones).w >= cutoff
+        map.trilinear(halvings, uv, &self.tables).w >= cutoff
     }
 
     /// The part of a triangle that is not cut out.
@@ -373,11 +292,11 @@ mod tests {
     #[test]
     fn coverage_is_kept_in_every_mip() {
         let image = checks(128);
-        let map = Map::new(&image, true, Some(0.5), &Tones::new());
-        let whole = coverage(&image, 0.5);
+        let map = Map::new(&image, true, Some(0.5));
+        let whole = texture::alpha_coverage(&image, 0.5, 1.0);
         assert_eq!(map.smaller.len(), 7);
         for smaller in &map.smaller[..4] {
-            let kept = coverage(smaller, 0.5);
+            let kept = texture::alpha_coverage(smaller, 0.5, 1.0);
             assert!((kept - whole).abs() < 0.1, "{kept} of {whole} at {} pixels", smaller.width());
         }
     }
@@ -385,17 +304,17 @@ mod tests {
     #[test]
     fn mips_keep_the_light() {
         let image = Image::new(2, 1, 3, vec![255, 255, 255, 0, 0, 0]).expect("sizes are right");
-        let map = Map::new(&image, true, None, &Tones::new());
+        let map = Map::new(&image, true, None);
         assert_eq!(map.smaller[0].bytes(), [188; 3], "half of the light is 188 in sRGB");
     }
 
     #[test]
     fn a_tile_repeats() {
         let image = checks(16);
-        let (map, tones) = (Map::new(&image, true, None, &Tones::new()), Tones::new());
+        let (map, tables) = (Map::new(&image, true, None), Tables::new());
         for uv in [Vec2::new(0.3, 0.7), Vec2::new(0.99, 0.01)] {
             let far = uv + Vec2::new(3.0, -2.0);
-            assert!(map.bilinear(0, uv, &tones).abs_diff_eq(map.bilinear(0, far, &tones), 1e-4));
+            assert!(map.bilinear(0, uv, &tables).abs_diff_eq(map.bilinear(0, far, &tables), 1e-4));
         }
     }
 }

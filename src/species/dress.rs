@@ -66,15 +66,8 @@ fn enlarged(species: &Species, area: f32) -> f32 {
 }
 
 fn natural(species: &Species, area: f32) -> f32 {
-    let each = sprig::area(sprig::leaf(&species.leaves).mesh());
+    let each = sprig::leaf(&species.leaves).mesh().area();
     area / (each * species.leaves.length * species.leaves.length * 0.83).max(1e-9)
-}
-
-/// The area of leaves, square metres.
-pub(super) fn area(leaves: &Leaves) -> f32 {
-    let each = f64::from(sprig::area(leaves.leaf.mesh()));
-    leaves.instances.iter().map(|leaf| f64::from(leaf.scale) * f64::from(leaf.scale) * each).sum::<f64>()
-        as f32
 }
 
 /// The leaves of the day, and the area that they have in summer.
@@ -90,18 +83,18 @@ pub(super) fn dress(
     let mut spacing = data.spacing;
     let mut summer = foliage.place(skeleton, seed)?;
     for _ in 0..3 {
-        let ratio = area(&summer) / wish;
+        let ratio = summer.area() as f32 / wish;
         if (0.97..1.03).contains(&ratio) {
             break;
         }
         spacing = (spacing * ratio).clamp(data.spacing * 0.2, data.spacing * 4.0);
         summer = foliage.clone().with_spacing(spacing).place(skeleton, seed)?;
     }
-    let ratio = area(&summer) / wish;
+    let ratio = summer.area() as f32 / wish;
     let thinned = foliage.with_spacing(spacing);
     let kept = (1.0 / ratio).min(1.0);
     let summer = if kept < 0.98 { thinned.clone().with_kept(kept).place(skeleton, seed)? } else { summer };
-    let full = area(&summer);
+    let full = summer.area() as f32;
     let now = season(data, day);
     if now.present <= 0.0 {
         return Ok((None, full));
@@ -125,16 +118,18 @@ fn color(data: &LeafData, now: Season, leaves: &mut Leaves, seed: u64) {
     let tones: Vec<[f32; 3]> = leaves
         .instances
         .iter()
-        .enumerate()
-        .map(|(index, leaf)| {
+        .map(|leaf| {
+            // By its place, which it keeps while others fall.
+            let [x, y, z] = leaf.position.to_array().map(|at| u64::from(at.to_bits()));
+            let place = (x << 32 | z) ^ y.rotate_left(17);
             // Leaves of one shoot turn together, more or less.
-            let own = random::unit(seed, 1, Purpose::SPECIES, index as u64);
+            let own = random::unit(seed, 1, Purpose::SPECIES, place);
             let shoot = random::unit(seed, 2, Purpose::SPECIES, u64::from(leaf.node));
             let when = 0.5 * own + 0.5 * shoot;
             let green = mix(summer, fresh, now.fresh);
             let turned = ((now.turned * 1.8 - when * 0.8) * 1.2).clamp(0.0, 1.0);
             let tone = mix(green, mix(autumn[0], autumn[1], own), turned);
-            let light = 0.8 + 0.4 * random::unit(seed, 3, Purpose::SPECIES, index as u64);
+            let light = 0.8 + 0.4 * random::unit(seed, 3, Purpose::SPECIES, place);
             let yellow = 0.12 * (shoot - 0.5);
             [tone[0] * light * (1.0 + yellow), tone[1] * light, tone[2] * light * (1.0 - yellow)]
                 .map(|channel| channel.clamp(0.0, 1.0))

@@ -20,6 +20,7 @@ mod asset;
 mod data;
 mod draw;
 mod dress;
+mod fields;
 mod names;
 mod outline;
 mod request;

@@ -27,14 +27,6 @@ pub(super) fn leaf(data: &LeafData) -> Leaf {
     if data.petiole > 0.0 { leaf.with_petiole(data.petiole) } else { leaf }
 }
 
-/// One-sided area of a mesh of blades.
-pub(super) fn area(mesh: &Mesh) -> f32 {
-    let corner = |index: u32| mesh.positions.get(index as usize).copied().unwrap_or_default();
-    mesh.triangles()
-        .map(|[a, b, c]| 0.5 * (corner(b) - corner(a)).cross(corner(c) - corner(a)).length())
-        .sum()
-}
-
 /// Blades of two triangles.
 #[derive(Default)]
 struct Blades {
@@ -163,7 +155,7 @@ mod tests {
         for (name, shape) in LeafShape::NAMES {
             let leaf = leaf(&LeafData { shape: *shape, petiole: 0.2, ..LeafData::default() });
             assert_eq!(leaf.mesh().check(), Ok(()), "{name}");
-            let area = area(leaf.mesh());
+            let area = leaf.mesh().area();
             assert!(area > 0.01 && area < 2.0, "{name}: {area}");
         }
     }

@@ -161,6 +161,15 @@ impl Mesh {
         self
     }
 
+    /// Area of all triangles, square metres: of one side of a leaf. O(triangles).
+    pub fn area(&self) -> f32 {
+        let of = |corners: [u32; 3]| {
+            let [a, b, c] = corners.map(|corner| self.positions[corner as usize]);
+            0.5 * (b - a).cross(c - a).length()
+        };
+        self.triangles().map(of).sum()
+    }
+
     /// Whether there is nothing to see: no triangles.
     pub fn is_empty(&self) -> bool {
         self.indices.is_empty()

@@ -5,11 +5,18 @@
 
 mod bark;
 mod image;
+mod mips;
 mod textures;
+mod tone;
 
 pub use bark::{Bark, BarkKind, BarkSet};
 pub use image::Image;
+pub(crate) use mips::normal_mips;
+#[cfg(feature = "preview")]
+pub(crate) use mips::plain_mips;
+pub use mips::{alpha_coverage, mips};
 pub use textures::Textures;
+pub(crate) use tone::Tones;
 
 use crate::ParameterError;
 use std::io;

@@ -2,8 +2,8 @@
 
 use super::pattern::{Color, Pattern};
 use super::{Bark, BarkSet};
-use crate::math;
 use crate::parallel;
+use crate::texture::Tones;
 use crate::texture::{Image, TextureError, Textures};
 
 /// Cells a side of the coarse grid by which hollows are told from tops.
@@ -152,22 +152,6 @@ fn balance(rows: &mut [Row], wanted: Color, spread: f32) -> Color {
 
 fn is_cut(color: &Color, gains: Color) -> bool {
     color.iter().zip(gains).any(|(value, gain)| value * gain > 1.0)
-}
-
-/// Linear light to 8 bits of sRGB.
-struct Tones(Vec<u8>);
-
-impl Tones {
-    const STEPS: usize = 16384;
-
-    fn new() -> Self {
-        Self((0..=Self::STEPS).map(|i| byte(math::srgb(i as f32 / Self::STEPS as f32))).collect())
-    }
-
-    #[inline]
-    fn of(&self, linear: f32) -> u8 {
-        self.0[(linear.clamp(0.0, 1.0) * Self::STEPS as f32 + 0.5) as usize]
-    }
 }
 
 /// Mean heights of squares of pixels, blurred.

@@ -1,13 +1,14 @@
 //! Images in ever smaller sizes, whose holes stay as large.
 
+use super::Image;
+use super::tone::Tones;
 use crate::math;
-use crate::texture::Image;
 
 /// How much of an image is covered: the share of its pixels whose alpha, times `scale`, is not below `cutoff`; 1 for an
 /// image without alpha.
 ///
 /// ```
-/// use treesynth::asset::alpha_coverage;
+/// use treesynth::texture::alpha_coverage;
 /// use treesynth::texture::Image;
 ///
 /// let half = Image::new(2, 1, 4, vec![9, 9, 9, 255, 9, 9, 9, 100])?;
@@ -29,10 +30,6 @@ pub fn alpha_coverage(image: &Image, cutoff: f32, scale: f32) -> f32 {
 /// With a cutoff the alpha of each size is scaled so that the [covered share](alpha_coverage) stays that of the image
 /// (Castaño 2010, "Computing Alpha Mipmaps"); it could not be kept where less than a pixel would be left. O(pixels).
 pub fn mips(image: &Image, cutoff: Option<f32>) -> Vec<Image> {
-    colors(image, cutoff)
-}
-
-pub(super) fn colors(image: &Image, cutoff: Option<f32>) -> Vec<Image> {
     let linear: Vec<f32> = (0..256).map(|tone| math::linear(tone as f32 / 255.0)).collect();
     let tones = Tones::new();
     let has_alpha = image.has_alpha();
@@ -58,8 +55,19 @@ pub(super) fn colors(image: &Image, cutoff: Option<f32>) -> Vec<Image> {
     all
 }
 
-/// Normals in tangent space; they stay of length 1.
-pub(super) fn normals(image: &Image) -> Vec<Image> {
+/// The same of numbers that are not colours: plain means of all channels.
+#[cfg(feature = "preview")]
+pub(crate) fn plain_mips(image: &Image) -> Vec<Image> {
+    halvings(image, |texels, out| {
+        for (i, out) in out.iter_mut().enumerate() {
+            let sum: u32 = texels.iter().map(|texel| u32::from(texel[i])).sum();
+            *out = ((sum + 2) / 4) as u8;
+        }
+    })
+}
+
+/// The same of normals in tangent space; they stay of length 1.
+pub(crate) fn normal_mips(image: &Image) -> Vec<Image> {
     halvings(image, |texels, out| {
         let sum = |i: usize| texels.iter().map(|texel| f32::from(texel[i]) - 127.5).sum::<f32>();
         let normal = glam::Vec3::new(sum(0), sum(1), sum(2)).normalize_or(glam::Vec3::Z);
@@ -108,23 +116,6 @@ fn halvings(image: &Image, of: impl Fn(&[&[u8]], &mut [u8])) -> Vec<Image> {
             Ok(half) => all.push(half),
             Err(_) => return all,
         }
-    }
-}
-
-/// Linear values to sRGB's 8 bits, by a table.
-#[derive(Debug)]
-pub(super) struct Tones(Vec<u8>);
-
-impl Tones {
-    const STEPS: usize = 8192;
-
-    pub(super) fn new() -> Self {
-        let tone = |i: usize| (math::srgb(i as f32 / Self::STEPS as f32) * 255.0 + 0.5) as u8;
-        Self((0..=Self::STEPS).map(tone).collect())
-    }
-
-    pub(super) fn of(&self, linear: f32) -> u8 {
-        self.0[(linear.clamp(0.0, 1.0) * Self::STEPS as f32 + 0.5) as usize]
     }
 }
 
