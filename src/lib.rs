@@ -90,7 +90,22 @@ pub use self_organizing::{Forest, SelfOrganizing};
 pub use shape::{Bounds, Shape};
 pub use skeleton::{Skeleton, SkeletonError};
 
-/// The README's code blocks are tests.
+/// The code blocks of the README and of the guide are tests.
 #[cfg(doctest)]
-#[doc = include_str!("../README.md")]
-struct Readme;
+mod guide {
+    macro_rules! pages {
+        ($($name:ident: $file:literal),* $(,)?) => {
+            $(#[doc = include_str!(concat!("../", $file))] struct $name;)*
+        };
+    }
+    pages! {
+        Readme: "README.md",
+        Start: "docs/guide/start.md",
+        Systems: "docs/guide/systems.md",
+        Guided: "docs/guide/guided.md",
+        Forests: "docs/guide/forests.md",
+        Shapes: "docs/guide/shapes.md",
+        Years: "docs/guide/years.md",
+        Assets: "docs/guide/assets.md",
+    }
+}

@@ -9,6 +9,7 @@ mod bad_input;
 mod blob;
 #[cfg(feature = "testing")]
 mod climbing;
+mod docs;
 mod drawn;
 mod editing;
 mod example;
