@@ -2,6 +2,7 @@
 
 mod bake;
 mod cells;
+mod coat;
 mod fissured;
 mod lanes;
 mod noise;
@@ -9,6 +10,8 @@ mod pattern;
 mod peeling;
 mod plain;
 mod plated;
+
+pub use coat::Coat;
 
 use super::{Image, TextureError, Textures};
 use crate::ParameterError;
