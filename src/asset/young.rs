@@ -66,7 +66,9 @@ impl Young {
         let mut owner_of = vec![0; mesh.positions.len()];
         let thin_ones = owners.iter().filter(|(_, is_thin)| *is_thin);
         for (corners, (owner, _)) in mesh.indices.chunks_exact(3).zip(thin_ones) {
-            corners.iter().for_each(|&corner| owner_of[corner as usize] = *owner as usize);
+            for &corner in corners {
+                owner_of[corner as usize] = *owner as usize;
+            }
         }
         for (uv, &owner) in mesh.uvs.iter_mut().zip(&owner_of) {
             let tiles = around[owner].round().max(1.0);
@@ -119,8 +121,8 @@ impl Thin {
             let mut begun =
                 is_lateral && nodes.len() > 1 && (thin.nodes[nodes[0] as usize] || radius_of(1) < radius);
             let mut first = if begun { radius_of(1) } else { 0.0 };
-            for i in 1..nodes.len() {
-                let node = nodes[i] as usize;
+            for (i, &node) in nodes.iter().enumerate().skip(1) {
+                let node = node as usize;
                 thin.branches[node] = number as u32;
                 thin.nodes[node] = begun;
                 if !begun && radius_of(i) < radius && children[node] > 1 {
@@ -169,7 +171,7 @@ mod tests {
     use super::*;
     use crate::asset::{Asset, AssetBuilder};
     use crate::presets;
-    use crate::surface::{Part, Tubes};
+    use crate::surface::{Mesh, Part, Tubes, Wind};
     use glam::Vec2;
 
     fn assets(check: impl Fn(&str, &Skeleton, &Asset, &Asset)) {
@@ -218,7 +220,10 @@ mod tests {
                 .collect();
             all.sort_by(|a, b| a.0.cmp(&b.0).then(a.1.x.total_cmp(&b.1.x)));
             let mut closed = 0;
-            for pair in all.windows(2).filter(|pair| pair[0].0 == pair[1].0 && pair[0].1.y == pair[1].1.y) {
+            for pair in all
+                .windows(2)
+                .filter(|pair| pair[0].0 == pair[1].0 && pair[0].1.y.to_bits() == pair[1].1.y.to_bits())
+            {
                 let around = pair[1].1.x - pair[0].1.x;
                 assert!((around - around.round()).abs() < 1e-3, "{name}: {around} tiles");
                 closed += usize::from(around > 0.5);
@@ -250,8 +255,8 @@ mod tests {
             bark.bake().expect("in range").textures
         };
         let piece = |textures: Textures, node: u32| {
-            let mut mesh = crate::surface::Mesh::default();
-            mesh.wind = vec![crate::surface::Wind { node, ..Default::default() }];
+            let wind = vec![Wind { node, ..Wind::default() }];
+            let mesh = Mesh { wind, ..Mesh::default() };
             let instances = vec![Instance::IDENTITY];
             Piece {
                 name: "bark",

@@ -5,7 +5,7 @@ use super::{Mesh, SurfaceError, Wind};
 use crate::ParameterError;
 use crate::math::UP;
 use crate::random::{self, Purpose};
-use glam::{IVec3, Vec3, Vec4};
+use glam::{IVec3, Vec3, Vec3Swizzles, Vec4};
 use std::collections::BTreeMap;
 
 /// What is covered of a surface: by direction, by height, in patches.
@@ -107,7 +107,11 @@ impl Mask {
             let way = if way.abs() < 1e-6 { 1e-6 } else { way };
             1.0 - ((position.y - all) / way).clamp(0.0, 1.0)
         });
-        let noise = self.noise(position / self.size, 0) + 0.5 * self.noise(position * 2.3 / self.size, 1);
+        // Turned, so that the lattice's planes do not lie across trunks.
+        let [x, y, z] = (position / self.size).to_array();
+        let turned =
+            Vec3::new(0.36 * x + 0.48 * y - 0.8 * z, -0.8 * x + 0.6 * y, 0.48 * x + 0.64 * y + 0.6 * z);
+        let noise = self.noise(turned, 0) + 0.5 * self.noise(turned.zxy() * 2.3, 1);
         (facing * height + self.spread * noise * (1.0 / 1.5)).clamp(0.0, 1.0)
     }
 

@@ -116,8 +116,8 @@ impl Unwrap {
         if copies.vertices.len() >= NONE as usize {
             return Err(SurfaceError::TooLarge { vertices: copies.vertices.len() });
         }
-        let (uvs, tangents) = (copies.uvs, copies.tangents);
-        *mesh = Mesh { uvs, tangents, indices, ..mesh.gathered(&copies.vertices) };
+        let (tangents, uvs) = (copies.tangents, copies.uvs);
+        *mesh = Mesh { tangents, uvs, indices, ..mesh.gathered(&copies.vertices) };
         Ok(())
     }
 }
@@ -289,7 +289,7 @@ impl Course {
             self.spot(branch, self.places[hint as usize] as usize, points[i])
         });
         let [Some(a), Some(b), Some(c)] = spots else {
-            return self.from_aside(&knot, facing, points, normals);
+            return self.seen_from_aside(&knot, facing, points, normals);
         };
         let spots = [a, b, c];
         let is_around =
@@ -303,7 +303,7 @@ impl Course {
         let spread =
             angles.iter().copied().fold(f32::MIN, f32::max) - angles.iter().copied().fold(f32::MAX, f32::min);
         if !spots.iter().all(is_around) || spread > 0.75 * PI {
-            return self.from_aside(&knot, facing, points, normals);
+            return self.seen_from_aside(&knot, facing, points, normals);
         }
         let scale = knot.tiles / TAU;
         std::array::from_fn(|i| {
@@ -313,7 +313,7 @@ impl Course {
     }
 
     /// The tile as seen from the direction that a triangle faces most.
-    fn from_aside(
+    fn seen_from_aside(
         &self,
         knot: &Knot,
         facing: Vec3,

@@ -201,7 +201,7 @@ impl Lichen {
         Self {
             recipe,
             sway: recipe.fractal(1, 12, 12, 4),
-            crusts: Cells::new(recipe.seed, 10, (5, 5), 1.0, false),
+            crusts: Cells::new(recipe.seed, 10, (8, 8), 1.0, false),
             warts: Cells::new(recipe.seed, 20, (44, 44), 1.0, false),
             fine: recipe.fractal(30, 70, 70, 2),
         }
@@ -224,7 +224,7 @@ impl Pattern for Lichen {
         let lump = smooth(0.0, 0.006, wart.border);
         let cup = smooth(0.72, 0.8, wart.value) * smooth(0.004, 0.008, wart.border) * (1.0 - rim);
         let Recipe { outer, inner, accent, .. } = self.recipe;
-        let own = blend(outer, accent, 0.8 * smooth(0.7, 0.8, crust.value));
+        let own = blend(outer, accent, 0.55 * smooth(0.84, 0.9, crust.value));
         let color = shade(own, 0.86 + 0.14 * rim + 0.1 * lump + 0.12 * fine + 0.2 * sway);
         let color = blend(color, inner, 0.8 * cup);
         Spot {
