@@ -41,6 +41,8 @@ impl Purpose {
     pub const GROWTH: Self = Self(48);
     /// Where the points and gradients of a bark texture lie.
     pub const BARK: Self = Self(72);
+    /// Where snow, moss and lichen lie in patches.
+    pub const COVER: Self = Self(73);
     /// Which twigs stand for others as cards, and how one leaf's image differs from the next.
     pub const CARDS: Self = Self(49);
     /// What distinguishes trees of one species, and the branches of each.

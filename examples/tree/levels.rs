@@ -42,13 +42,9 @@ impl Model {
             .with_bark(preset.bark())
             .with_leaf_size(options.textures.map(|side| (side / 4).clamp(32, 2048)))
             .with_texture_size(options.textures.unwrap_or(512).max(128))
-            .with_tubes(tubes.clone());
+            .with_tubes(tubes);
         if let Some(side) = options.textures {
-            let bark = preset.bark_texture().with_seed(seed).with_resolution(side).bake()?;
-            builder = builder
-                .with_bark(Material::white().with_roughness(1.0))
-                .with_bark_textures(bark.textures)
-                .with_tubes(tubes.with_tile(bark.size));
+            builder = builder.with_bark_of(&preset.bark_texture().with_seed(seed).with_resolution(side))?;
         }
         let shares: Vec<f32> = std::iter::successors(Some(1.0), |share| Some(share * SHARE))
             .take(options.levels as usize)

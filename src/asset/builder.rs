@@ -6,11 +6,12 @@ use super::cluster::{self, Cluster, Leaf};
 use super::leaf::Dress;
 use super::measure::{Frame, Tally, draw, drawn, lit, skins};
 use super::tangents::with_tangents;
+use super::young::{self, Young};
 use super::{Asset, AssetError, Piece};
 use crate::foliage::{Foliage, Leaves};
 use crate::random::{self, Purpose};
 use crate::surface::{Instance, Material, Mesh, Part, SurfaceError, Tubes};
-use crate::texture::{Image, Textures};
+use crate::texture::{Bark, Image, Textures};
 use crate::{ParameterError, Skeleton, parallel};
 use glam::Vec3;
 use std::f32::consts::TAU;
@@ -37,8 +38,11 @@ const GAIN: (f32, f32) = (0.6, 1.6);
 pub struct AssetBuilder {
     bark: Material,
     bark_textures: Option<Arc<Textures>>,
+    young: Option<Young>,
     twigs: Option<Material>,
     tubes: Tubes,
+    /// Whether vertices have wind only to tell their nodes.
+    still: bool,
     foliage: Option<Foliage>,
     triangles: Option<usize>,
     bark_share: f32,
@@ -54,8 +58,10 @@ impl Default for AssetBuilder {
         Self {
             bark: Material::bark(),
             bark_textures: None,
+            young: None,
             twigs: None,
             tubes: Tubes::default(),
+            still: true,
             foliage: None,
             triangles: Some(10_000),
             bark_share: 0.35,
@@ -80,7 +86,42 @@ impl AssetBuilder {
         self
     }
 
-    /// How the wood on cards looks; by default as the bark in the mean colour of its images.
+    /// The images that wood thinner than `radius` metres wears, with a tile of `tile` metres; default none, so that all wears the
+    /// [same](Self::with_bark_textures). They are multiplied by the same material.
+    ///
+    /// Thin is what is thinner than 40% of the trunk, too, whatever the radius. Bark changes at forks alone: where a lateral
+    /// thinner than that begins, or at the first fork of a branch after it has become thinner; all that it bears is thin. Towards that
+    /// place the mean colours of both fade to one within twice the radius, by vertex colours. It costs no triangles, and one more
+    /// part, `young bark`.
+    pub fn with_young_bark(mut self, textures: Textures, tile: f32, radius: f32) -> Self {
+        self.young = Some(Young { textures: Arc::new(textures), tile, radius });
+        self.tubes = self.tubes.with_wind(true);
+        self
+    }
+
+    /// Old bark and young of one kind: `bark` on thick wood, and on wood thinner than 3 cm ([`THIN`](Self::THIN)) the same
+    /// [`young`](Bark::young), in images a quarter as wide, 64 pixels at the least. The material is white, the size of a tile that of
+    /// the bark, and [texels are even](Tubes::with_even_texels); tubes that are set later need both again.
+    ///
+    /// # Errors
+    /// As [`Bark::bake`].
+    pub fn with_bark_of(self, bark: &Bark) -> Result<Self, AssetError> {
+        self.with_bark_in_colors(bark, &bark.clone().young())
+    }
+
+    /// As [`with_bark_of`](Self::with_bark_of), the young bark given.
+    pub(crate) fn with_bark_in_colors(mut self, bark: &Bark, young: &Bark) -> Result<Self, AssetError> {
+        let young = young.clone().with_resolution((bark.resolution() / 4).max(64)).bake()?;
+        let old = bark.bake()?;
+        self.tubes = self.tubes.with_tile(old.size).with_even_texels(true);
+        let own = self.with_bark(Material::white().with_roughness(1.0)).with_bark_textures(old.textures);
+        Ok(own.with_young_bark(young.textures, young.size, Self::THIN))
+    }
+
+    /// The radius below which wood wears young bark by default, metres.
+    pub const THIN: f32 = 0.03;
+
+    /// How the wood on cards looks; by default as the bark in the mean colour of its images, those of thin wood if there are any.
     pub fn with_twigs(mut self, material: Material) -> Self {
         self.twigs = Some(material);
         self
@@ -88,7 +129,8 @@ impl AssetBuilder {
 
     /// How the bark is made: collars, root flare, squares of bark, wind. Within a budget its sides and turn do not matter.
     pub fn with_tubes(mut self, tubes: Tubes) -> Self {
-        self.tubes = tubes;
+        self.still = !tubes.has_wind();
+        self.tubes = if self.young.is_some() { tubes.with_wind(true) } else { tubes };
         self
     }
 
@@ -135,6 +177,9 @@ impl AssetBuilder {
         if let Some(twigs) = self.twigs {
             return twigs;
         }
+        if let Some(young) = &self.young {
+            return young::on_cards(young, self.bark);
+        }
         let image = self.bark_textures.as_ref().and_then(|textures| textures.base_color());
         let mean = image.map_or([1.0; 3], Image::mean_color);
         let own = self.bark.color();
@@ -177,6 +222,18 @@ impl AssetBuilder {
         if let Some(textures) = &self.bark_textures {
             textures.check()?;
         }
+        if let Some(young) = &self.young {
+            young.textures.check()?;
+            let holds = (1e-4..=1e4).contains(&young.tile);
+            ParameterError::unless(holds, "AssetBuilder.young_bark.tile", young.tile, "1e-4 to 1e4 m")?;
+            let holds = young.radius >= 0.0 && young.radius.is_finite();
+            ParameterError::unless(
+                holds,
+                "AssetBuilder.young_bark.radius",
+                young.radius,
+                "at least 0 m and finite",
+            )?;
+        }
         self.bark.check()?;
         self.wood().check()?;
         Ok(())
@@ -188,6 +245,16 @@ impl AssetBuilder {
 
     pub(super) fn texture_size(&self) -> u32 {
         self.texture_size
+    }
+
+    /// Takes thin wood out of the bark, and from both the wind that nobody asked for.
+    pub(super) fn split(&self, bark: &mut Piece, skeleton: &Skeleton) -> Option<Piece> {
+        let mut young = self.young.as_ref()?.split(bark, skeleton, self.tubes.has_even_texels());
+        if self.still {
+            bark.mesh.wind = Vec::new();
+            young.mesh.wind = Vec::new();
+        }
+        Some(young)
     }
 
     pub(super) fn foliage(&self) -> Option<&Foliage> {
@@ -530,14 +597,15 @@ impl<'a> Tree<'a> {
             textures: textures.clone(),
             instances: Vec::new(),
         });
-        let bark = Piece {
+        let mut bark = Piece {
             name: "bark",
             mesh: bark,
             material: self.builder.bark,
             textures: self.builder.bark_textures.clone(),
             instances: vec![Instance::IDENTITY],
         };
-        Asset { bark, leaves: leaves.collect(), cards: cards.collect(), error }
+        let young = self.builder.split(&mut bark, self.skeleton);
+        Asset { bark, young, coats: Vec::new(), leaves: leaves.collect(), cards: cards.collect(), error }
     }
 }
 

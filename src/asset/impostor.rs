@@ -156,7 +156,14 @@ impl Impostor {
                 textures: Some(textures),
                 instances: vec![Instance::IDENTITY],
             };
-            Ok(Asset { bark: none, leaves: Vec::new(), cards: vec![piece], error: texel })
+            Ok(Asset {
+                bark: none,
+                young: None,
+                coats: Vec::new(),
+                leaves: Vec::new(),
+                cards: vec![piece],
+                error: texel,
+            })
         };
         let (mut low, mut high) = THICKER;
         let mut thicker = 1.0;

@@ -5,6 +5,7 @@ mod bake;
 mod builder;
 mod card;
 mod cluster;
+mod coat;
 mod impostor;
 mod leaf;
 mod levels;
@@ -12,6 +13,7 @@ mod measure;
 mod skin;
 mod tangents;
 mod wind;
+mod young;
 
 pub use builder::AssetBuilder;
 pub use impostor::{Impostor, Octahedral};
@@ -82,16 +84,24 @@ impl Piece {
 #[derive(Debug, Clone, PartialEq)]
 pub struct Asset {
     bark: Piece,
+    /// Bark of thin wood, if that is another.
+    young: Option<Piece>,
+    /// What lies on both.
+    coats: Vec<Piece>,
     leaves: Vec<Piece>,
     cards: Vec<Piece>,
     error: f32,
 }
 
 impl Asset {
-    /// What is written and drawn: `bark`; `leaves`, a part for each variant of their images; and `cards`, a part for each kind
+    /// What is written and drawn: `bark`; `young bark`, if [thin wood](AssetBuilder::with_young_bark) has its own; what it is [coated](Asset::coated) with; `leaves`, a part for each variant of their images; and `cards`, a part for each kind
     /// of twig, of which all wear the same images. Empty ones are left out. An impostor has one part, `impostor`.
     pub fn parts(&self) -> Vec<Part<'_>> {
-        let pieces = std::iter::once(&self.bark).chain(&self.leaves).chain(&self.cards);
+        let pieces = std::iter::once(&self.bark)
+            .chain(&self.young)
+            .chain(&self.coats)
+            .chain(&self.leaves)
+            .chain(&self.cards);
         pieces
             .filter(|piece| !piece.mesh.is_empty() && !piece.instances.is_empty())
             .map(Piece::part)
@@ -103,13 +113,20 @@ impl Asset {
         self.parts().iter().map(|part| part.triangles() as usize).sum()
     }
 
-    /// The bark.
+    /// The bark, that of thin wood apart.
     pub fn bark(&self) -> &Mesh {
         &self.bark.mesh
     }
 
-    pub(crate) fn bark_mut(&mut self) -> &mut Mesh {
-        &mut self.bark.mesh
+    /// The bark of [thin wood](AssetBuilder::with_young_bark), if that has images of its own.
+    pub fn young_bark(&self) -> Option<&Mesh> {
+        self.young.as_ref().map(|piece| &piece.mesh)
+    }
+
+    /// All bark, and what lies on it.
+    pub(crate) fn barks_mut(&mut self) -> impl Iterator<Item = &mut Mesh> {
+        let bark = std::iter::once(&mut self.bark).chain(&mut self.young);
+        bark.chain(&mut self.coats).map(|piece| &mut piece.mesh)
     }
 
     /// How many leaves are shown as they are.

@@ -31,8 +31,8 @@ impl Asset {
     /// When the sway is of another, smaller skeleton.
     pub fn in_wind(&self, sway: &Sway) -> Result<Self, AssetError> {
         let mut asset = self.clone();
-        if asset.bark.mesh.wind.is_empty() {
-            sway.clothe(&mut asset.bark.mesh);
+        for mesh in asset.barks_mut().filter(|mesh| mesh.wind.is_empty()) {
+            sway.clothe(mesh);
         }
         for piece in asset.leaves.iter_mut().chain(&mut asset.cards) {
             let leaves = Leaves { leaf: Leaf::new(piece.mesh.clone()), instances: piece.instances.clone() };

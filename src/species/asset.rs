@@ -56,28 +56,30 @@ impl Specimen {
         side: u32,
         shares: &[f32],
     ) -> Result<Vec<Asset>, AssetError> {
-        let bark = self.bark_texture().with_resolution(side).bake()?;
+        let bark = self.bark_texture().with_resolution(side);
+        // One mean: the colours of trunk and twigs are the vertices'.
+        let young = bark.clone().young().with_color(self.lightest().map(|channel| channel as u8));
         let tubes = Tubes::default().with_root_flare(0.0).with_wind(true);
         let twigs = Material::bark().with_color(linear(self.species.bark.twigs));
         let builder = AssetBuilder::default()
             .with_triangles(triangles)
-            .with_bark(Material::white().with_roughness(1.0))
-            .with_bark_textures(bark.textures)
+            .with_tubes(tubes.with_square_tiles(true))
+            .with_bark_in_colors(&bark, &young)?
             .with_twigs(twigs)
-            .with_tubes(tubes.with_square_tiles(true).with_tile(bark.size))
             .with_texture_size(side)
             .with_leaf_size(Some((side / 4).clamp(32, 2048)));
         let mut levels = builder.levels_with(&self.skeleton, self.leaves.as_slice(), shares)?;
         let lightest = linear(self.lightest());
         for level in &mut levels {
-            let mesh = level.bark_mut();
-            // The wind is there for the node of each vertex.
-            let wind = std::mem::take(&mut mesh.wind);
             let color = |node: u32| {
                 let own = self.bark_color(node as usize);
                 [0, 1, 2].map(|i| (own[i] / lightest[i].max(1e-6)).clamp(0.0, 1.0))
             };
-            mesh.colors = wind.iter().map(|wind| color(wind.node)).collect();
+            for mesh in level.barks_mut() {
+                // The wind is there for the node of each vertex.
+                let wind = std::mem::take(&mut mesh.wind);
+                mesh.colors = wind.iter().map(|wind| color(wind.node)).collect();
+            }
         }
         Ok(levels)
     }

@@ -186,6 +186,41 @@ impl Mesh {
         self.indices.chunks_exact(3).map(|triangle| [triangle[0], triangle[1], triangle[2]])
     }
 
+    /// The triangles for which `keep` holds, which is asked of each in turn, with the vertices that they need and no others; and
+    /// what each of these was.
+    #[cfg_attr(not(feature = "texture"), allow(dead_code, reason = "only what wears images is taken apart"))]
+    pub(crate) fn selected(&self, mut keep: impl FnMut([u32; 3]) -> bool) -> (Self, Vec<u32>) {
+        let mut numbers = vec![u32::MAX; self.positions.len()];
+        let (mut kept, mut indices) = (Vec::new(), Vec::new());
+        for corners in self.triangles().filter(|&corners| keep(corners)) {
+            for corner in corners {
+                let number = &mut numbers[corner as usize];
+                if *number == u32::MAX {
+                    *number = kept.len() as u32;
+                    kept.push(corner);
+                }
+                indices.push(*number);
+            }
+        }
+        (Self { indices, ..self.gathered(&kept) }, kept)
+    }
+
+    /// These vertices, without triangles.
+    pub(crate) fn gathered(&self, vertices: &[u32]) -> Self {
+        fn of<T: Copy>(all: &[T], vertices: &[u32]) -> Vec<T> {
+            if all.is_empty() { Vec::new() } else { vertices.iter().map(|&i| all[i as usize]).collect() }
+        }
+        Self {
+            positions: of(&self.positions, vertices),
+            normals: of(&self.normals, vertices),
+            tangents: of(&self.tangents, vertices),
+            uvs: of(&self.uvs, vertices),
+            colors: of(&self.colors, vertices),
+            wind: of(&self.wind, vertices),
+            indices: Vec::new(),
+        }
+    }
+
     /// Whether the arrays fit together: lengths, indices in range, finite positions, unit normals, and no
     /// triangle without area. An empty mesh is sound. O(n).
     ///

@@ -7,6 +7,8 @@
 //! | [`Implicit`] | one closed, watertight mesh of the whole tree, its branches blended into each other |
 //! | [`blob`] | any solid of primitives and operators, a `BlobTree`; [`Skin`](blob::Skin): a tree's, with scars and ridges that age |
 //! | [`Polygonizer`] | one closed mesh of any [`BlobTree`](blob::BlobTree), with its colours |
+//! | [`Unwrap`] | texture coordinates for closed meshes, along branches and around them |
+//! | [`Mask`] | where snow, moss and lichen are: a mesh cut in two, each with its own images |
 //! | [`Sway`] | how a tree bends: what the wind does to each vertex of any mesh |
 //! | [`Capsules`] | branches as [`Capsule`]s, for collisions |
 //!
@@ -27,6 +29,7 @@ mod implicit;
 mod internodes;
 mod lanes;
 mod level;
+mod mask;
 mod material;
 mod mesh;
 mod part;
@@ -38,6 +41,7 @@ mod simplify;
 mod sway;
 mod transform;
 mod tube;
+mod unwrap;
 mod weave;
 mod wind;
 mod wood;
@@ -47,6 +51,7 @@ pub use implicit::{Implicit, Polygonizer};
 #[cfg(feature = "preview")]
 pub(crate) use implicit::{solid, span};
 pub use level::{Level, Levels};
+pub use mask::Mask;
 pub use material::Material;
 pub use mesh::{Mesh, MeshError};
 pub use part::{Instance, Part};
@@ -55,6 +60,7 @@ pub use scene::{PlacedAsset, Scene};
 pub use sway::Sway;
 pub use transform::Transform;
 pub use tube::Tubes;
+pub use unwrap::Unwrap;
 pub(crate) use wind::Air;
 pub use wind::Wind;
 

@@ -64,6 +64,7 @@ pub struct Tubes {
     pub(super) closed_base: bool,
     pub(super) tile: f32,
     pub(super) square_tiles: bool,
+    pub(super) even_texels: bool,
     pub(super) wind: bool,
 }
 
@@ -82,6 +83,7 @@ impl Default for Tubes {
             closed_base: false,
             tile: 0.25,
             square_tiles: false,
+            even_texels: false,
             wind: false,
         }
     }
@@ -170,11 +172,34 @@ impl Tubes {
         self
     }
 
+    /// Whether branches that taper have fewer and fewer squares around, so that texels stay about as large; default false.
+    ///
+    /// By default the number of squares around a branch is the same all along it, and texels are as much smaller as it is thinner:
+    /// by a factor of ten and more along a trunk. With this a new number begins at the first fork where the branch is thinner than
+    /// where the last began by a factor of 1.6, that of the mean of both ends. There bark does not continue: v does, u does not, which a
+    /// ring of doubled vertices makes possible. That seam lies at a fork, but it may be seen on smooth trunks with strongly drawn bark.
+    pub fn with_even_texels(mut self, even: bool) -> Self {
+        self.even_texels = even;
+        self
+    }
+
     /// Whether vertices have [`Wind`](super::Wind), so that they move with the skeleton's [`Sway`]; default false. Junctions
     /// stay closed at every gust, in every [level](super::Levels).
     pub fn with_wind(mut self, wind: bool) -> Self {
         self.wind = wind;
         self
+    }
+
+    /// Whether the number of squares changes along branches.
+    #[cfg_attr(not(feature = "texture"), allow(dead_code, reason = "only assets ask"))]
+    pub(crate) fn has_even_texels(&self) -> bool {
+        self.even_texels
+    }
+
+    /// Whether vertices have wind.
+    #[cfg_attr(not(feature = "texture"), allow(dead_code, reason = "only assets ask"))]
+    pub(crate) fn has_wind(&self) -> bool {
+        self.wind
     }
 
     /// The tubes of all branches as one mesh. A skeleton that is only a root, or whose internodes all have no

@@ -17,6 +17,10 @@ use std::f32::consts::{FRAC_1_SQRT_2, TAU};
 const HANDEDNESS: f32 = -1.0;
 /// The least radius for which texels are kept square, as a part of the branch's first.
 const THINNEST: f32 = 1.0 / 64.0;
+/// Where a branch is thinner by this factor than where its present section began, the next one begins at the next fork.
+const THINNER: f32 = 1.6;
+/// Sections that a branch has at the most: radii differ by no more than floats can tell.
+const MOST_SECTIONS: usize = 200;
 
 /// All that is known before the first vertex.
 #[derive(Debug)]
@@ -39,6 +43,9 @@ impl Plan {
             let rings = blended + axis.stations.len() + usize::from(axis.sides >= DOME_SIDES);
             vertices += rings * (sides + 1) + 1;
             triangles += (rings - 1) * 2 * sides + sides;
+            if options.even_texels {
+                vertices += axis.stations.len().min(MOST_SECTIONS) * (sides + 1);
+            }
             if options.closed_base {
                 vertices += sides + 2;
                 triangles += sides;
@@ -74,20 +81,32 @@ impl Plan {
             step: 1.0,
             line: &[],
             course: Vec::new(),
+            sections: Vec::new(),
             curves: Vec::new(),
             round: Round::default(),
             bends: Vec::new(),
             feet: Vec::new(),
             blower: None,
         };
+        let mut forks = vec![false; if options.even_texels { self.axes.stations.len() } else { 0 }];
+        if options.even_texels {
+            self.axes
+                .all
+                .iter()
+                .filter_map(|axis| axis.bearing)
+                .for_each(|(_, station)| forks[station] = true);
+        }
         let mut swung = self.sway.as_ref().map(|sway| Swung::new(sway, &self.axes));
         for (number, axis) in self.axes.all.iter().enumerate() {
             weaver.line = &self.axes.stations[axis.stations.clone()];
             weaver.circle = circles.of(axis.sides);
             let first = axis.base;
             weaver.tiles = (TAU * first.radius.max(weaver.line[0].radius) / options.tile).round().max(1.0);
+            if options.even_texels {
+                weaver.divide(&forks[axis.stations.clone()]);
+            }
             weaver.step = weaver.tiles / axis.sides as f32;
-            weaver.run();
+            weaver.run(0);
             collar::curves(&self.axes, &circles, axis, &mut weaver.curves);
             if let Some(swung) = &mut swung {
                 swung.swing(number);
@@ -160,6 +179,8 @@ struct Weaver<'a> {
     line: &'a [Station],
     /// The texture coordinate v of each of them.
     course: Vec<f32>,
+    /// Where the number of tiles around changes, the last change first: the ring, and the number from there on.
+    sections: Vec<(usize, f32)>,
     /// Its collar; none if there is none.
     curves: Vec<Curves>,
     /// The points of one ring of it.
@@ -190,17 +211,60 @@ impl Weaver<'_> {
         for i in 0..self.line.len() {
             let ring = self.level(i);
             self.go_on(&mut before, ring, i, None);
+            if let Some((_, tiles)) = self.sections.pop_if(|(ring, _)| *ring == i) {
+                (self.tiles, self.step) = (tiles, tiles / self.sides() as f32);
+                self.run(i);
+                // The same ring once more, with other texture coordinates.
+                before = Some(self.level(i));
+                self.blow(i, None);
+            }
         }
         if let Some(ring @ Ring::Circle(_)) = before {
             self.tip(ring);
         }
     }
 
-    /// Works out how v runs along the axis.
-    fn run(&mut self) {
-        let mut v = self.line[0].along / self.options.tile;
-        self.course.clear();
+    /// Divides the axis into sections at its forks, each with the tiles of its mean radius; the first one's are set.
+    fn divide(&mut self, forks: &[bool]) {
+        self.sections.clear();
+        let mut starts = vec![0];
         for (i, station) in self.line.iter().enumerate() {
+            let begun = self.line[starts[starts.len() - 1]].radius;
+            if forks[i]
+                && station.radius > 0.0
+                && station.radius * THINNER < begun
+                && starts.len() < MOST_SECTIONS
+            {
+                starts.push(i);
+            }
+        }
+        let end = |k: usize| starts.get(k + 1).copied().unwrap_or(self.line.len() - 1);
+        let tiles = |k: usize| {
+            let [from, to] = [starts[k], end(k)].map(|i| self.line[i].radius);
+            // A tip of no thickness does not count.
+            let mean = (from * to.max(0.4 * from)).sqrt();
+            (TAU * mean / self.options.tile).round().max(1.0)
+        };
+        let mut last = tiles(0);
+        self.tiles = last;
+        for (k, &start) in starts.iter().enumerate().skip(1) {
+            let own = tiles(k);
+            if own < last {
+                self.sections.push((start, own));
+                last = own;
+            }
+        }
+        self.sections.reverse();
+    }
+
+    /// Works out how v runs along the axis from a ring on; up to there it stays.
+    fn run(&mut self, from: usize) {
+        let mut v = if from == 0 { self.line[0].along / self.options.tile } else { self.course[from] };
+        self.course.truncate(from);
+        if from > 0 {
+            self.course.push(v);
+        }
+        for (i, station) in self.line.iter().enumerate().skip(self.course.len()) {
             if let Some(before) = i.checked_sub(1).map(|i| self.line[i]) {
                 let way = station.along - before.along;
                 v = if self.options.square_tiles {

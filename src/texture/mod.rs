@@ -1,6 +1,6 @@
 //! Images that a surface wears: colour, relief, gloss and light from behind.
 //!
-//! A [`Bark`] makes images of bark. An [`Image`] is made or read; [`Textures`] are the images of one material, named as glTF names them. A
+//! A [`Bark`] makes images of bark, a [`Coat`] those of snow, moss and lichen on it. An [`Image`] is made or read; [`Textures`] are the images of one material, named as glTF names them. A
 //! [`Part`](crate::surface::Part) wears them, the writers of [`export`](crate::export) put them into files or beside them.
 
 mod bark;
@@ -9,7 +9,7 @@ mod mips;
 mod textures;
 mod tone;
 
-pub use bark::{Bark, BarkKind, BarkSet};
+pub use bark::{Bark, BarkKind, BarkSet, Coat};
 pub use image::Image;
 pub(crate) use mips::normal_mips;
 #[cfg(feature = "preview")]

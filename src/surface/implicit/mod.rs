@@ -38,7 +38,7 @@ use solid::Solid;
 /// mostly within a hundredth, and have the field's normals; the same skeleton gives the same bits at any number of threads.
 /// Branches that do not touch make one body without handles, of Euler characteristic 2; a handle appears where
 /// branches touch again, or come nearer than both's blend widths and a voxel. What it does not: there are no texture
-/// coordinates or tangents; small features between two voxels' middles may be missed.
+/// coordinates or tangents, unless [`Unwrap`](super::Unwrap) gives them; small features between two voxels' middles may be missed.
 ///
 /// **Voxels** are as fine as the branches near: an octree of blocks of 4 · 4 · 4 voxels follows them, and neither empty space
 /// nor the inside of limbs is ever looked at. Marching cubes run on the dual of that octree. A branch thinner

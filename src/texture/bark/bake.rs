@@ -1,10 +1,13 @@
 //! From a pattern to images.
 
-use super::pattern::{Color, Pattern};
+use super::lanes::{Quad, bytes};
+use super::noise::Lines;
+use super::pattern::Pattern;
 use super::{Bark, BarkSet};
 use crate::parallel;
 use crate::texture::Tones;
 use crate::texture::{Image, TextureError, Textures};
+use glam::Vec4;
 
 /// Cells a side of the coarse grid by which hollows are told from tops.
 const COARSE: usize = 64;
@@ -15,53 +18,75 @@ const ROUNDS: usize = 6;
 
 /// One row of a bark before it is cut into bytes.
 struct Row {
+    /// With the last pixel's before the first, and the first's behind the last.
     heights: Vec<f32>,
-    colors: Vec<Color>,
+    /// Red, then green, then blue.
+    colors: [Vec<f32>; 3],
     roughness: Vec<u8>,
+}
+
+impl Row {
+    fn new(pattern: &impl Pattern, lines: &Lines<'_>, y: f32, side: usize) -> Self {
+        let lines = lines.at(y);
+        let mut heights = vec![0.0; side + 2];
+        let mut colors = [(); 3].map(|()| vec![0.0; side]);
+        let mut roughness = Vec::with_capacity(side);
+        for (i, quad) in Quad::all(side, y, &lines).enumerate() {
+            let spot = pattern.at(&quad);
+            spot.height.clamp(Vec4::ZERO, Vec4::ONE).write_to_slice(&mut heights[4 * i + 1..]);
+            for (line, channel) in colors.iter_mut().zip(spot.color) {
+                channel.write_to_slice(&mut line[4 * i..]);
+            }
+            roughness.extend(bytes(spot.roughness));
+        }
+        (heights[0], heights[side + 1]) = (heights[side], heights[1]);
+        Self { heights, colors, roughness }
+    }
+
+    fn heights(&self) -> &[f32] {
+        &self.heights[1..self.heights.len() - 1]
+    }
 }
 
 /// The pixels of a bark with this pattern.
 pub(super) fn bake(bark: &Bark, pattern: &impl Pattern) -> Result<BarkSet, TextureError> {
     let side = bark.resolution as usize;
     let scale = 1.0 / side as f32;
-    let mut rows = parallel::map(side, |y| {
-        let mut row = Row {
-            heights: Vec::with_capacity(side),
-            colors: Vec::with_capacity(side),
-            roughness: Vec::with_capacity(side),
-        };
-        let y = (y as f32 + 0.5) * scale;
-        for x in 0..side {
-            let spot = pattern.at((x as f32 + 0.5) * scale, y);
-            row.heights.push(spot.height.clamp(0.0, 1.0));
-            row.colors.push(spot.color);
-            row.roughness.push(byte(spot.roughness));
-        }
-        row
-    });
+    let lines = Lines::new(&pattern.plain(), side);
+    let mut rows = parallel::map(side, |y| Row::new(pattern, &lines, (y as f32 + 0.5) * scale, side));
     let gains = balance(&mut rows, bark.linear_color(), bark.spread);
     let tones = Tones::new();
     let depth = bark.relief();
+    // A slope is metres over metres, from the neighbours on both sides.
+    let steep = depth * side as f32 / (2.0 * bark.size);
     let coarse = Coarse::new(&rows);
+    let places: Vec<Between> = (0..side).map(|x| coarse.between(x, side)).collect();
+    let shading = SHADING * 3.0 * bark.hollows();
     let lines = parallel::map(side, |y| {
-        let heights = |y: usize| &rows[y].heights[..];
-        let (above, here, below) = (heights((y + side - 1) % side), heights(y), heights((y + 1) % side));
-        // A slope is metres over metres, from the neighbours on both sides.
-        let steep = depth * side as f32 / (2.0 * bark.size);
+        let (above, here, below) = (&rows[(y + side - 1) % side], &rows[y], &rows[(y + 1) % side]);
+        let middles = coarse.line(&coarse.between(y, side));
         let mut line = Line::with_capacity(side);
-        for x in 0..side {
-            let right = here[if x + 1 == side { 0 } else { x + 1 }];
-            let left = here[if x == 0 { side - 1 } else { x - 1 }];
+        for first in (0..side).step_by(4) {
+            let at = |row: &Row, step: usize| Vec4::from_slice(&row.heights[first + step..]);
+            let height = at(here, 1);
             // Up the image is against v.
-            let (dx, dy) = (steep * (left - right), steep * (below[x] - above[x]));
-            let length = 1.0 / (dx * dx + dy * dy + 1.0).sqrt();
-            line.normal.extend([dx, dy, 1.0].map(|part| byte(0.5 + 0.5 * part * length)));
-            let color = rows[y].colors[x];
-            line.color.extend([0, 1, 2].map(|channel| tones.of(color[channel] * gains[channel])));
-            let below_mean = (coarse.at(x, y, side) - here[x]).max(0.0);
-            let open = 1.0 / (1.0 + SHADING * below_mean * 3.0 * bark.hollows());
-            line.occlusion.extend([byte(open), rows[y].roughness[x], 0]);
-            line.height.push(byte(here[x]));
+            let dx = steep * (at(here, 0) - at(here, 2));
+            let dy = steep * (at(below, 1) - at(above, 1));
+            let half = 0.5 / (dx * dx + dy * dy + 1.0).sqrt();
+            line.normal.extend(interleaved([
+                bytes(0.5 + dx * half),
+                bytes(0.5 + dy * half),
+                bytes(0.5 + half),
+            ]));
+            let color = [0, 1, 2].map(|channel| {
+                tones.of_four(Vec4::from_slice(&here.colors[channel][first..]) * gains[channel])
+            });
+            line.color.extend(interleaved(color));
+            let middle = Vec4::from_array(std::array::from_fn(|i| places[first + i].of(&middles)));
+            let open = 1.0 / (1.0 + shading * (middle - height).max(Vec4::ZERO));
+            let roughness = std::array::from_fn(|i| here.roughness[first + i]);
+            line.occlusion.extend(interleaved([bytes(open), roughness, [0; 4]]));
+            line.height.extend(bytes(height));
         }
         line
     });
@@ -95,69 +120,66 @@ impl Line {
     }
 }
 
-/// A number from 0 to 1 in 8 bits.
+/// Three channels of four pixels, pixel by pixel.
 #[inline]
-fn byte(value: f32) -> u8 {
-    (value.clamp(0.0, 1.0) * 255.0 + 0.5) as u8
+fn interleaved([r, g, b]: [[u8; 4]; 3]) -> [u8; 12] {
+    [r[0], g[0], b[0], r[1], g[1], b[1], r[2], g[2], b[2], r[3], g[3], b[3]]
 }
 
-/// The mean of a number over all colours, a channel; summed row by row, so that threads do not matter.
-fn mean(rows: &[Row], of: impl Fn(f32, usize) -> f32 + Sync + Send) -> [f64; 3] {
+/// The mean of `of` each of some numbers of all rows; summed row by row in lanes, so that threads do not matter.
+fn mean(rows: &[Row], channel: usize, of: impl Fn(Vec4) -> Vec4 + Sync + Send) -> f32 {
     let sums = parallel::map(rows.len(), |y| {
-        let mut sum = [0.0f64; 3];
-        for color in &rows[y].colors {
-            for channel in 0..3 {
-                sum[channel] += f64::from(of(color[channel], channel));
-            }
-        }
-        sum
+        let quads = rows[y].colors[channel].chunks_exact(4);
+        let sum = quads.fold(Vec4::ZERO, |sum, quad| sum + of(Vec4::from_slice(quad)));
+        sum.to_array().into_iter().map(f64::from).sum::<f64>()
     });
-    let pixels = (rows.len() * rows.len()) as f64;
-    let mut total = [0.0; 3];
-    for sum in sums {
-        for channel in 0..3 {
-            total[channel] += sum[channel] / pixels;
-        }
-    }
-    total
+    (sums.into_iter().sum::<f64>() / (rows.len() * rows.len()) as f64) as f32
 }
 
 /// Spreads colours about their mean, and returns what they are to be multiplied by for the mean that is wanted.
-fn balance(rows: &mut [Row], wanted: Color, spread: f32) -> Color {
-    if (spread - 1.0).abs() > 0.0 {
-        let middle = mean(rows, |value, _| value).map(|mean| mean as f32);
-        parallel::each_mut(rows, |_, row| {
-            for color in &mut row.colors {
-                for (value, middle) in color.iter_mut().zip(middle) {
+fn balance(rows: &mut [Row], wanted: [f32; 3], spread: f32) -> [f32; 3] {
+    let mut gains = [1.0f32; 3];
+    for (channel, gain) in gains.iter_mut().enumerate() {
+        if (spread - 1.0).abs() > 0.0 {
+            let middle = mean(rows, channel, |value| value);
+            parallel::each_mut(rows, |_, row| {
+                for value in &mut row.colors[channel] {
                     *value = (middle + spread * (*value - middle)).max(0.0);
                 }
-            }
-        });
-    }
-    let mut gains = [1.0f32; 3];
-    for _ in 0..ROUNDS {
-        let now = mean(rows, |value, channel| (value * gains[channel]).min(1.0));
-        let mut off = 0.0f32;
-        for channel in 0..3 {
-            let factor = (f64::from(wanted[channel]) / now[channel].max(1e-9)) as f32;
-            gains[channel] *= factor;
-            off = off.max((factor - 1.0).abs());
+            });
         }
-        if off < 1e-4 || !rows.iter().flat_map(|row| &row.colors).any(|color| is_cut(color, gains)) {
-            break;
+        let most =
+            rows.iter().flat_map(|row| &row.colors[channel]).fold(0.0f32, |most, &value| most.max(value));
+        for _ in 0..ROUNDS {
+            let now = mean(rows, channel, |value| (value * *gain).min(Vec4::ONE));
+            let factor = wanted[channel] / now.max(1e-9);
+            *gain *= factor;
+            if (factor - 1.0).abs() < 1e-4 || most * *gain <= 1.0 {
+                break;
+            }
         }
     }
     gains
-}
-
-fn is_cut(color: &Color, gains: Color) -> bool {
-    color.iter().zip(gains).any(|(value, gain)| value * gain > 1.0)
 }
 
 /// Mean heights of squares of pixels, blurred.
 struct Coarse {
     side: usize,
     heights: Vec<f32>,
+}
+
+/// Between which two of the coarse grid a pixel is, and how far.
+struct Between {
+    before: usize,
+    behind: usize,
+    way: f32,
+}
+
+impl Between {
+    #[inline]
+    fn of(&self, line: &[f32]) -> f32 {
+        line[self.before] + (line[self.behind] - line[self.before]) * self.way
+    }
 }
 
 impl Coarse {
@@ -167,7 +189,7 @@ impl Coarse {
         let means = parallel::map(side, |y| {
             let mut sums = vec![0.0f32; side];
             for row in &rows[y * block..(y + 1) * block] {
-                for (sum, heights) in sums.iter_mut().zip(row.heights.chunks_exact(block)) {
+                for (sum, heights) in sums.iter_mut().zip(row.heights().chunks_exact(block)) {
                     *sum += heights.iter().sum::<f32>();
                 }
             }
@@ -186,21 +208,18 @@ impl Coarse {
         Self { side, heights }
     }
 
-    /// The blurred height at a pixel of `pixels` a side.
-    #[inline]
-    fn at(&self, x: usize, y: usize, pixels: usize) -> f32 {
+    /// Where a pixel of `pixels` a side is, along either.
+    fn between(&self, pixel: usize, pixels: usize) -> Between {
+        let at = (pixel as f32 + 0.5) * self.side as f32 / pixels as f32 + self.side as f32 - 0.5;
+        let whole = at as usize;
+        Between { before: whole % self.side, behind: (whole + 1) % self.side, way: at - whole as f32 }
+    }
+
+    /// The heights along a row of pixels.
+    fn line(&self, row: &Between) -> Vec<f32> {
         let side = self.side;
-        let place = |i: usize| {
-            let at = (i as f32 + 0.5) * side as f32 / pixels as f32 + side as f32 - 0.5;
-            let whole = at as usize;
-            (whole % side, (whole + 1) % side, at - whole as f32)
-        };
-        let ((left, right, dx), (upper, lower, dy)) = (place(x), place(y));
-        let line = |row: usize| {
-            let line = &self.heights[row * side..][..side];
-            line[left] + (line[right] - line[left]) * dx
-        };
-        let (upper, lower) = (line(upper), line(lower));
-        upper + (lower - upper) * dy
+        let (upper, lower) =
+            (&self.heights[row.before * side..][..side], &self.heights[row.behind * side..][..side]);
+        upper.iter().zip(lower).map(|(upper, lower)| upper + (lower - upper) * row.way).collect()
     }
 }

@@ -1,16 +1,18 @@
 //! Oak and ash: ridges along the branch, and what separates them.
 
 use super::cells::Cells;
-use super::noise::{Fractal, Noise, fraction, mix, smooth};
+use super::lanes::{Quad, fraction, smooth, smooth_between};
+use super::noise::Fractal;
 use super::pattern::{Pattern, Recipe, Skin, Spot, blend, shade};
+use glam::Vec4;
 
 /// Long ridges that split and join, broken crosswise.
 #[derive(Debug)]
 pub(super) struct Oak {
     recipe: Recipe,
     skin: Skin,
-    sway: Noise,
-    waver: Noise,
+    sway: Fractal,
+    waver: Fractal,
     ridges: Cells,
     breaks: Cells,
     rough: Fractal,
@@ -21,7 +23,7 @@ impl Oak {
     pub(super) fn new(recipe: Recipe) -> Self {
         Self {
             recipe,
-            skin: Skin::new(&recipe),
+            skin: Skin::new(&recipe, recipe.ripe(0.0, 0.5)),
             sway: recipe.noise(1, 5, 3),
             waver: recipe.noise(2, 15, 8),
             ridges: Cells::new(recipe.seed, 10, (17, 4), 0.85, true),
@@ -33,21 +35,24 @@ impl Oak {
 }
 
 impl Pattern for Oak {
+    fn plain(&self) -> Vec<&Fractal> {
+        self.skin.behind(vec![&self.sway, &self.waver, &self.rough, &self.fine])
+    }
+
     #[inline]
-    fn at(&self, x: f32, y: f32) -> Spot {
-        let age = self.recipe.age;
-        let (sway, waver) = (self.sway.at(x, y), self.waver.at(x, y));
-        let (rough, fine) = (self.rough.at(x, y), self.fine.at(x, y));
+    fn at(&self, quad: &Quad<'_>) -> Spot {
+        let (x, y) = (quad.x, quad.y);
+        let [sway, waver, rough, fine] = quad.plain();
         let u = x + 0.026 * sway + 0.0085 * waver + 0.004 * rough + 0.0022 * fine;
         let v = y + 0.03 * waver + 0.02 * rough;
         let ridge = self.ridges.at(u, v);
         // Some fissures are deep, some hardly begun: there ridges join. Those across the branch are the shallowest.
         let open = smooth(0.10, 0.5, ridge.edge + 0.3 * rough) * (1.0 - 0.65 * ridge.across);
-        let wide = mix(0.007, 0.0155, age) * (1.0 + 0.3 * sway) * mix(0.5, 1.0, open);
+        let wide = self.recipe.aged(0.007, 0.0155) * (1.0 + 0.3 * sway) * (0.5 + 0.5 * open);
         let side = smooth(0.0, 1.45, (ridge.border + 0.0030 * rough + 0.0014 * fine) / wide);
-        let round = (ridge.border * 34.0).min(1.0);
+        let round = (ridge.border * 34.0).min(Vec4::ONE);
         let crown = 0.60 + 0.40 * round * (2.0 - round);
-        let depth = mix(0.38, 1.0, open);
+        let depth = 0.38 + 0.62 * open;
         let mut height = crown * (1.0 - depth * (1.0 - side));
         // Breaks across the ridges.
         let crack = self.breaks.at(u + 0.016 * rough, v + 0.010 * fine);
@@ -63,9 +68,9 @@ impl Pattern for Oak {
         let old = Spot {
             height: 0.06 + 0.84 * height,
             color: blend(shade(inner, 1.0 + 0.5 * fine), top, light),
-            roughness: mix(0.97, 0.86, side),
+            roughness: 0.97 - 0.11 * side,
         };
-        self.skin.under(&self.recipe, (x, y), old, smooth(0.0, 0.5, age))
+        self.skin.under(quad, 4, old)
     }
 }
 
@@ -74,9 +79,9 @@ impl Pattern for Oak {
 pub(super) struct Ash {
     recipe: Recipe,
     skin: Skin,
-    sway: Noise,
-    other: Noise,
-    waver: Noise,
+    sway: Fractal,
+    other: Fractal,
+    waver: Fractal,
     rough: Fractal,
     fine: Fractal,
 }
@@ -85,7 +90,7 @@ impl Ash {
     pub(super) fn new(recipe: Recipe) -> Self {
         Self {
             recipe,
-            skin: Skin::new(&recipe),
+            skin: Skin::new(&recipe, recipe.ripe(0.05, 0.6)),
             sway: recipe.noise(1, 6, 4),
             other: recipe.noise(2, 6, 4),
             waver: recipe.noise(3, 22, 12),
@@ -96,19 +101,22 @@ impl Ash {
 }
 
 impl Pattern for Ash {
+    fn plain(&self) -> Vec<&Fractal> {
+        self.skin.behind(vec![&self.sway, &self.other, &self.waver, &self.rough, &self.fine])
+    }
+
     #[inline]
-    fn at(&self, x: f32, y: f32) -> Spot {
-        let age = self.recipe.age;
-        let (sway, other, waver) = (self.sway.at(x, y), self.other.at(x, y), self.waver.at(x, y));
-        let (rough, fine) = (self.rough.at(x, y), self.fine.at(x, y));
+    fn at(&self, quad: &Quad<'_>) -> Spot {
+        let (x, y) = (quad.x, quad.y);
+        let [sway, other, waver, rough, fine] = quad.plain();
         // Two families of slanting ridges; whole numbers of them fit the tile both ways.
         let bend = 0.13 * waver + 0.05 * rough;
         let rising = fraction(11.0 * x + 4.0 * y + 0.45 * sway + bend);
         let falling = fraction(11.0 * x - 4.0 * y + 0.45 * other - bend);
-        let away = |part: f32| (part - 0.5).abs();
-        let half = mix(0.32, 0.215, age) + 0.055 * waver + 0.03 * rough + 0.02 * fine;
-        let ridge = |part: f32, strong: f32| {
-            1.0 - smooth(half * 0.35, half * 1.45, away(part) + 0.05 * (1.0 - strong))
+        let away = |part: Vec4| (part - 0.5).abs();
+        let half = self.recipe.aged(0.32, 0.215) + 0.055 * waver + 0.03 * rough + 0.02 * fine;
+        let ridge = |part: Vec4, strong: Vec4| {
+            1.0 - smooth_between(half * 0.35, half * 1.45, away(part) + 0.05 * (1.0 - strong))
         };
         let (a, b) = (ridge(rising, 0.5 + sway), ridge(falling, 0.5 + other));
         // A soft union: where ridges cross they are no higher.
@@ -119,12 +127,12 @@ impl Pattern for Ash {
         let Recipe { outer, inner, accent, .. } = self.recipe;
         let top = blend(outer, accent, smooth(0.0, 0.8, rough + 0.6 * sway) * 0.6);
         let top = shade(top, 1.0 + 0.34 * fine + 0.14 * waver - 0.2 * furrow);
-        let floor = shade(blend(inner, outer, 0.10), 1.0 + 0.7 * fine + 0.4 * rough);
+        let floor = shade(blend(inner, outer, Vec4::splat(0.10)), 1.0 + 0.7 * fine + 0.4 * rough);
         let old = Spot {
             height: 0.08 + 0.82 * height,
             color: blend(floor, top, smooth(0.05, 0.95, height)),
-            roughness: mix(0.96, 0.84, ridge),
+            roughness: 0.96 - 0.12 * ridge,
         };
-        self.skin.under(&self.recipe, (x, y), old, smooth(0.05, 0.6, age))
+        self.skin.under(quad, 5, old)
     }
 }

@@ -2,19 +2,24 @@
 
 mod bake;
 mod cells;
+mod coat;
 mod fissured;
+mod lanes;
 mod noise;
 mod pattern;
 mod peeling;
 mod plain;
 mod plated;
 
+pub use coat::Coat;
+
 use super::{Image, TextureError, Textures};
 use crate::ParameterError;
 use crate::math;
 use fissured::{Ash, Oak};
+use glam::Vec4;
 use noise::Seed;
-use pattern::{Color, Recipe};
+use pattern::Recipe;
 use peeling::{Birch, Cherry};
 use plain::{Beech, Cedar, Palm};
 use plated::{Pine, Plane};
@@ -247,6 +252,11 @@ impl Bark {
         self.kind
     }
 
+    /// Pixels a side.
+    pub fn resolution(&self) -> u32 {
+        self.resolution
+    }
+
     /// The side of the tile, metres.
     pub fn size(&self) -> f32 {
         self.size
@@ -258,7 +268,7 @@ impl Bark {
     /// An option out of its range.
     pub fn bake(&self) -> Result<BarkSet, TextureError> {
         self.check()?;
-        let [outer, inner, accent] = self.palette.map(linear);
+        let [outer, inner, accent] = self.palette.map(|srgb| linear(srgb).map(Vec4::splat));
         let recipe = Recipe {
             seed: Seed(self.seed),
             age: self.age,
@@ -293,7 +303,7 @@ impl Bark {
     }
 
     /// The mean colour, linear.
-    fn linear_color(&self) -> Color {
+    fn linear_color(&self) -> [f32; 3] {
         linear(self.color)
     }
 
@@ -308,7 +318,7 @@ impl Bark {
     }
 }
 
-fn linear(srgb: [u8; 3]) -> Color {
+fn linear(srgb: [u8; 3]) -> [f32; 3] {
     srgb.map(|channel| math::linear(f32::from(channel) / 255.0))
 }
 

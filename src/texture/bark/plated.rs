@@ -1,8 +1,10 @@
 //! Pine and plane: bark that comes off in plates.
 
 use super::cells::Cells;
-use super::noise::{Fractal, fraction, mix, smooth};
+use super::lanes::{Quad, floor, fraction, smooth};
+use super::noise::Fractal;
 use super::pattern::{Pattern, Recipe, Skin, Spot, blend, shade};
+use glam::Vec4;
 
 /// Large plates of many flakes, with dark fissures between them.
 #[derive(Debug)]
@@ -20,7 +22,7 @@ impl Pine {
     pub(super) fn new(recipe: Recipe) -> Self {
         Self {
             recipe,
-            skin: Skin::new(&recipe),
+            skin: Skin::new(&recipe, recipe.ripe(0.0, 0.45)),
             sway: recipe.fractal(1, 6, 5, 3),
             plates: Cells::new(recipe.seed, 10, (7, 4), 0.9, true),
             parts: Cells::new(recipe.seed, 20, (13, 9), 0.9, false),
@@ -31,26 +33,31 @@ impl Pine {
 }
 
 impl Pattern for Pine {
+    fn plain(&self) -> Vec<&Fractal> {
+        self.skin.behind(vec![&self.sway, &self.flakes, &self.fine])
+    }
+
     #[inline]
-    fn at(&self, x: f32, y: f32) -> Spot {
-        let age = self.recipe.age;
-        let (sway, flakes, fine) = (self.sway.at(x, y), self.flakes.at(x, y), self.fine.at(x, y));
+    fn at(&self, quad: &Quad<'_>) -> Spot {
+        let (x, y) = (quad.x, quad.y);
+        let [sway, flakes, fine] = quad.plain();
         let (u, v) = (x + 0.030 * sway + 0.010 * flakes, y + 0.04 * sway - 0.012 * flakes + 0.002 * fine);
         let plate = self.plates.at(u, v);
         let part = self.parts.at(u, v);
-        let wide = mix(0.006, 0.0125, age) * (1.0 + 0.6 * sway);
+        let wide = self.recipe.aged(0.006, 0.0125) * (1.0 + 0.6 * sway);
         let side = smooth(0.0, 1.5, (plate.border + 0.004 * flakes + 0.0015 * fine) / wide);
         let split = (1.0 - smooth(0.0, 0.007, part.border + 0.0015 * fine))
             * smooth(0.5, 0.75, part.edge + 0.3 * flakes);
         // Flakes lie on each other like the lines of a map; the outermost is in the middle of a plate.
-        let dome = (plate.border * 16.0).min(1.0);
+        let dome = (plate.border * 16.0).min(Vec4::ONE);
         let layer = 2.3 * flakes + 1.3 * dome + 0.12 * fine + 6.0 * plate.value + 16.0;
-        let number = (layer as u32) as f32;
+        let number = floor(layer);
         let step = layer - number;
         let lip = smooth(0.0, 0.13, step);
         let piece = fraction(number * 0.618_034 + plate.value * 5.7 + 0.31 * part.value);
         let terrace = (number - 16.0 - 6.0 * plate.value + lip) / 3.4;
-        let mut height = side * (0.55 + 0.34 * terrace.clamp(-0.6, 1.2)) + 0.05 * fine * side;
+        let mut height =
+            side * (0.55 + 0.34 * terrace.clamp(Vec4::splat(-0.6), Vec4::splat(1.2))) + 0.05 * fine * side;
         height -= 0.16 * split * side;
         let Recipe { outer, inner, accent, .. } = self.recipe;
         let top = blend(outer, accent, smooth(0.1, 1.0, piece) * 0.75);
@@ -59,9 +66,9 @@ impl Pattern for Pine {
         let old = Spot {
             height: 0.06 + 0.86 * height,
             color: blend(shade(inner, 1.0 + 0.5 * fine), top, smooth(0.05, 1.0, light)),
-            roughness: mix(0.97, 0.82, side),
+            roughness: 0.97 - 0.15 * side,
         };
-        self.skin.under(&self.recipe, (x, y), old, smooth(0.0, 0.45, age))
+        self.skin.under(quad, 3, old)
     }
 }
 
@@ -89,18 +96,23 @@ impl Plane {
 }
 
 impl Pattern for Plane {
+    fn plain(&self) -> Vec<&Fractal> {
+        vec![&self.sway, &self.fine]
+    }
+
     #[inline]
-    fn at(&self, x: f32, y: f32) -> Spot {
+    fn at(&self, quad: &Quad<'_>) -> Spot {
+        let (x, y) = (quad.x, quad.y);
         let age = self.recipe.age;
-        let (sway, fine) = (self.sway.at(x, y), self.fine.at(x, y));
+        let [sway, fine] = quad.plain();
         let (u, v) = (x + 0.022 * sway, y - 0.028 * sway);
         let Recipe { outer, inner, accent, .. } = self.recipe;
         // From the freshest, which is the deepest, to what has not fallen for years.
-        let olive = blend(accent, outer, 0.62);
-        let khaki = blend(accent, inner, 0.42);
+        let olive = blend(accent, outer, Vec4::splat(0.62));
+        let khaki = blend(accent, inner, Vec4::splat(0.42));
         let colors = [olive, outer, khaki, inner];
         let mut color = shade(accent, 1.0 + 0.05 * fine);
-        let (mut height, mut roughness, mut rim) = (0.18, 0.62, 0.0f32);
+        let (mut height, mut roughness, mut rim) = (Vec4::splat(0.18), Vec4::splat(0.62), Vec4::ZERO);
         for (i, (layer, own)) in self.layers.iter().zip(colors).enumerate() {
             let level = layer.at(u, v) + 0.035 * fine;
             let limit = [-0.22, -0.02, 0.12, 0.36 - 0.22 * age][i];
@@ -113,7 +125,8 @@ impl Pattern for Plane {
             rim = rim.max(edge * (1.0 - there * 0.5));
         }
         let speck = self.specks.at(x, y);
-        let distance = (speck.offset[0] * speck.offset[0] + speck.offset[1] * speck.offset[1]).sqrt();
+        let [right, up] = speck.offset;
+        let distance = (right * right + up * up).sqrt();
         let dot = (1.0 - smooth(0.001, 0.0028, distance)) * smooth(0.7, 0.75, speck.value);
         let color = shade(color, (1.0 - 0.28 * rim) * (1.0 - 0.35 * dot));
         Spot { height: height + 0.03 * fine + 0.05 * sway, color, roughness }
