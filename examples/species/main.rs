@@ -2,7 +2,9 @@
 //!
 //!     cargo run --release --example species -- --list
 //!     cargo run --release --example species -- --species "silver birch" --height 12 --seed 3 --out out
+//!     cargo run --release --example species -- --species "English oak" --dead 20
 //!     cargo run --release --example species -- --sheet --out docs/figures
+//!     cargo run --release --example species -- --sheet=blossom --out docs/figures
 //!     cargo run --release --example species -- --table --seeds 20
 //!     cargo run --release --example species -- --classify --seeds 20
 
@@ -13,6 +15,7 @@ mod measure;
 mod reference;
 mod sheet;
 mod table;
+mod twig;
 
 use common::{Failure, Outputs, number, print, text};
 use lexopt::prelude::*;
@@ -31,10 +34,16 @@ Usage: species (--list | --species NAME | --file TEXT | --sheet | --table | --cl
   --height M, --dbh M, --age YEARS
   --stand M           in a stand of that spacing; otherwise in the open
   --day DAY           day of the year, 1 to 366 [196]
+  --dead YEARS        a snag, so many years dead, 0 to 80
+  --storm PART        damaged by a storm, 0 to 1 [0]
   --seed N            [0]
   --budget N          triangles of the finest level, 100 to 100000000, or none [20000]
   --textures N        side of the images, pixels: a power of two, 128 to 8192 [512]
-  --sheet             all species, bare and in leaf, at one scale: species.png
+  --sheet[=KIND]      a picture of all species; KIND is
+                      trees    bare and in leaf, at one scale: species.png (default)
+                      autumn   in autumn, at one scale: species-autumn.png
+                      twigs    twigs, bare and in leaf: species-twigs.png
+                      blossom  blossom, fruit and cones: species-blossom.png
   --table             measures beside published figures, as Markdown
   --classify          how many trees are named right by the nearest centroid of their measures
   --seeds N           trees of each species for the table and the naming [20]
@@ -44,9 +53,32 @@ Usage: species (--list | --species NAME | --file TEXT | --sheet | --table | --cl
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Task {
     List,
-    Sheet,
+    Sheet(Sheet),
     Table,
     Classify,
+}
+
+/// What is on a sheet.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Sheet {
+    Trees,
+    Autumn,
+    Twigs,
+    Blossom,
+}
+
+impl Sheet {
+    fn named(name: Option<&str>) -> Result<Self, Failure> {
+        match name {
+            None | Some("trees") => Ok(Self::Trees),
+            Some("autumn") => Ok(Self::Autumn),
+            Some("twigs") => Ok(Self::Twigs),
+            Some("blossom") => Ok(Self::Blossom),
+            Some(other) => {
+                Err(format!("--sheet is {other:?}, but must be trees, autumn, twigs or blossom").into())
+            }
+        }
+    }
 }
 
 #[derive(Default)]
@@ -59,6 +91,8 @@ struct Options {
     age: Option<f32>,
     stand: Option<f32>,
     day: Option<f32>,
+    dead: Option<f32>,
+    storm: Option<f32>,
     seed: u64,
     seeds: u64,
     budget: Option<usize>,
@@ -81,7 +115,10 @@ fn options() -> Result<Option<Options>, Failure> {
     while let Some(argument) = arguments.next()? {
         match argument {
             Long("list") => options.task = Some(Task::List),
-            Long("sheet") => options.task = Some(Task::Sheet),
+            Long("sheet") => {
+                let name = arguments.optional_value().map(|name| name.to_string_lossy().into_owned());
+                options.task = Some(Task::Sheet(Sheet::named(name.as_deref())?));
+            }
             Long("table") => options.task = Some(Task::Table),
             Long("classify") => options.task = Some(Task::Classify),
             Long("species") => options.species = Some(text(&mut arguments, "--species")?),
@@ -90,6 +127,8 @@ fn options() -> Result<Option<Options>, Failure> {
             Long("dbh") => options.dbh = Some(number(&mut arguments, "--dbh", metres.clone(), "m")?),
             Long("age") => options.age = Some(number(&mut arguments, "--age", 0.0..=10_000.0, "years")?),
             Long("stand") => options.stand = Some(number(&mut arguments, "--stand", metres.clone(), "m")?),
+            Long("dead") => options.dead = Some(number(&mut arguments, "--dead", 0.0..=80.0, "years")?),
+            Long("storm") => options.storm = Some(number(&mut arguments, "--storm", 0.0..=1.0, "")?),
             Long("day") => options.day = Some(number(&mut arguments, "--day", 1.0..=366.0, "")?),
             Long("seed") => options.seed = number(&mut arguments, "--seed", 0..=u64::MAX, "")?,
             Long("seeds") => options.seeds = number(&mut arguments, "--seeds", 2..=1000, "")?,
@@ -140,10 +179,15 @@ fn run(options: &Options) -> Result<(), Failure> {
         ),
         Some(Task::Table) => print(table::lines(options.seeds)?),
         Some(Task::Classify) => print(classify::lines(options.seeds)?),
-        Some(Task::Sheet) => {
+        Some(Task::Sheet(kind)) => {
             let mut outputs = Outputs::new("--out", &options.out)?;
-            let sheet = sheet::draw(options.seed)?;
-            let path = outputs.path("species.png");
+            let (name, sheet) = match kind {
+                Sheet::Trees => ("species.png", sheet::draw(options.seed)?),
+                Sheet::Autumn => ("species-autumn.png", sheet::autumn(options.seed)?),
+                Sheet::Twigs => ("species-twigs.png", twig::leaves(options.seed)?),
+                Sheet::Blossom => ("species-blossom.png", twig::blossom(options.seed)?),
+            };
+            let path = outputs.path(name);
             outputs.write(&path, |writer| Ok(sheet.write_png(writer)?))?;
             outputs.finish()?;
         }
@@ -173,6 +217,8 @@ fn request<'a>(species: &'a Species, options: &Options) -> Request<'a> {
         (options.dbh, Request::with_dbh),
         (options.age, Request::with_age),
         (options.stand, Request::in_a_stand),
+        (options.dead, Request::with_years_dead),
+        (options.storm, Request::with_storm_damage),
     ] {
         if let Some(value) = wish {
             request = set(request, value);

@@ -6,16 +6,16 @@ use treesynth::Skeleton;
 use treesynth::glam::Vec3;
 use treesynth::preview::{Camera, Picture, Preview, Projection};
 use treesynth::shape::Bounds;
-use treesynth::species;
-use treesynth::surface::{Material, Mesh, Part, Tubes};
+use treesynth::species::{self, Species};
+use treesynth::surface::{Instance, Material, Mesh, Part, Tubes};
 
 /// Metres of a cell, and its pixels a metre.
-const CELL: [f32; 2] = [14.5, 28.0];
-const SCALE: f32 = 15.0;
+const CELL: [f32; 2] = [16.0, 31.0];
+const SCALE: f32 = 14.0;
 /// Pixels under each tree for its name.
 const LABEL: u32 = 22;
 /// Trees in a row, each bare and in leaf.
-const ROW: u32 = 6;
+const ROW: u32 = 5;
 
 pub(crate) fn portrait(parts: &[Part<'_>]) -> Result<Picture, Failure> {
     let camera = Camera::default().with_elevation(0.05);
@@ -41,7 +41,22 @@ fn person() -> Result<Mesh, Failure> {
     Ok(Tubes::default().with_root_flare(0.0).mesh(&body)?)
 }
 
+/// All species at one scale, each bare and in leaf.
 pub(crate) fn draw(seed: u64) -> Result<Picture, Failure> {
+    sheet(seed, |_| 196.0, true)
+}
+
+/// All species at one scale, each when most of its leaves have turned.
+pub(crate) fn autumn(seed: u64) -> Result<Picture, Failure> {
+    sheet(seed, |species| if species.leaves.evergreen { 285.0 } else { autumn_day(species) }, false)
+}
+
+fn autumn_day(species: &Species) -> f32 {
+    let [_, _, turn, fall] = species.leaves.days;
+    (turn + 0.48 * (fall - turn)).floor()
+}
+
+fn sheet(seed: u64, day: impl Fn(&Species) -> f32 + Sync, bare: bool) -> Result<Picture, Failure> {
     let person = person()?;
     let [width, height] = CELL;
     let frame = Bounds::new(Vec3::new(-width / 2.0, 0.0, -0.5), Vec3::new(width / 2.0, height, 0.5));
@@ -57,42 +72,38 @@ pub(crate) fn draw(seed: u64) -> Result<Picture, Failure> {
         .with_background([0.74, 0.82, 0.9], [0.9, 0.9, 0.88])
         .with_ground(false)
         .with_supersampling(2);
+    let cell = |species: &Species| -> Result<Picture, Failure> {
+        let tree = species.request().with_seed(seed).with_day(day(species)).grow()?;
+        let tubes = Tubes::default().with_sides(8).with_least_sides(3).with_root_flare(0.0);
+        let bark = tree.bark_mesh(&tubes)?;
+        // The tree stands in the middle of its cell, wherever its crown grew.
+        let reach = tree.skeleton.positions().iter().map(|place| place.x);
+        let (low, high) = reach.fold((0.0f32, 0.0f32), |(low, high), x| (low.min(x), high.max(x)));
+        let middle = Vec3::X * ((low + high) * -0.5);
+        let stand = |place: Vec3| Instance { position: place, ..Instance::IDENTITY };
+        let (trunk, body) = ([stand(middle)], [stand(Vec3::new(-width * 0.46, 0.0, 3.0))]);
+        let human = Material::bark().with_srgb([60, 60, 66]);
+        let wood = Part::new(&bark).with_material(Material::white()).with_instances(&trunk);
+        let somebody = Part::new(&person).with_material(human).with_instances(&body);
+        let mut moved: Vec<_> = tree.foliage().cloned().collect();
+        for leaf in moved.iter_mut().flat_map(|leaves| &mut leaves.instances) {
+            leaf.position += middle;
+        }
+        let leafy: Vec<Part<'_>> =
+            [wood, somebody].into_iter().chain(moved.iter().map(|leaves| leaves.part())).collect();
+        let wide = if bare { 2 * pixels[0] } else { pixels[0] };
+        let mut cell = Picture::new(wide, pixels[1] + LABEL, [255; 3])?;
+        if bare {
+            cell.blit(&preview.draw_parts(&[wood, somebody])?, 0, 0);
+        }
+        cell.blit(&preview.draw_parts(&leafy)?, (wide - pixels[0]) as i32, 0);
+        let at = wide.saturating_sub(Picture::label_width(&species.name, 2)) / 2;
+        cell.label(&species.name, at as i32, pixels[1] as i32 + 4, 2, [40; 3]);
+        Ok(cell)
+    };
     let cells: Result<Vec<Picture>, String> = species::all()
         .par_iter()
-        .map(|species| {
-            let draw = || -> Result<Picture, Failure> {
-                let tree = species.request().with_seed(seed).grow()?;
-                let bark =
-                    tree.bark_mesh(&Tubes::default().with_sides(8).with_least_sides(3).with_root_flare(0.0))?;
-                // The tree stands in the middle of its cell, wherever its crown grew.
-                let reach = tree.skeleton.positions().iter().map(|place| place.x);
-                let (low, high) = reach.fold((0.0f32, 0.0f32), |(low, high), x| (low.min(x), high.max(x)));
-                let middle = Vec3::X * ((low + high) * -0.5);
-                let stand = |place: Vec3| treesynth::surface::Instance {
-                    position: place,
-                    ..treesynth::surface::Instance::IDENTITY
-                };
-                let (trunk, body) = ([stand(middle)], [stand(Vec3::new(-width * 0.46, 0.0, 3.0))]);
-                let human = Material::bark().with_srgb([60, 60, 66]);
-                let wood = Part::new(&bark).with_material(Material::white()).with_instances(&trunk);
-                let somebody = Part::new(&person).with_material(human).with_instances(&body);
-                let bare = preview.draw_parts(&[wood, somebody])?;
-                let mut moved = tree.leaves.clone();
-                for leaf in moved.iter_mut().flat_map(|leaves| &mut leaves.instances) {
-                    leaf.position += middle;
-                }
-                let leafy: Vec<Part<'_>> =
-                    [wood, somebody].into_iter().chain(moved.as_ref().map(|leaves| leaves.part())).collect();
-                let leafy = preview.draw_parts(&leafy)?;
-                let mut cell = Picture::new(2 * pixels[0], pixels[1] + LABEL, [255; 3])?;
-                cell.blit(&bare, 0, 0);
-                cell.blit(&leafy, pixels[0] as i32, 0);
-                let at = (2 * pixels[0]).saturating_sub(Picture::label_width(&species.name, 2)) / 2;
-                cell.label(&species.name, at as i32, pixels[1] as i32 + 4, 2, [40; 3]);
-                Ok(cell)
-            };
-            draw().map_err(|error| format!("{}: {error}", species.name))
-        })
+        .map(|species| cell(species).map_err(|error| format!("{}: {error}", species.name)))
         .collect();
-    Ok(Picture::sheet(&cells?, ROW, 2, [255; 3])?)
+    Ok(Picture::sheet(&cells?, if bare { ROW } else { 9 }, 2, [255; 3])?)
 }

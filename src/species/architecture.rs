@@ -1,6 +1,7 @@
 //! The architecture of a tree: stems, limbs, branches, twigs and shoots by the tables of its species, within the
 //! outline of its crown; then the shoots in deepest shade die.
 
+use super::SpeciesError;
 use super::data::{Laterals, Species, Stand};
 use super::draw::Draw;
 use super::outline::Outline;
@@ -43,7 +44,11 @@ struct Stem {
     order: u16,
 }
 
-pub(super) fn grow(species: &Species, plan: &Numbers, scale: Scale, seed: u64) -> Wood {
+/// The wood of a tree.
+///
+/// # Errors
+/// More nodes than memory should be asked for.
+pub(super) fn grow(species: &Species, plan: &Numbers, scale: Scale, seed: u64) -> Result<Wood, SpeciesError> {
     let draw = Draw::new(seed);
     let radius = plan.crown_width * 0.5 * scale.radius;
     let outline = Outline::new(&species.crown, plan.crown_base, plan.height, radius, &mut draw.child(1, 0));
@@ -76,7 +81,19 @@ pub(super) fn grow(species: &Species, plan: &Numbers, scale: Scale, seed: u64) -
     for twig in &twigs {
         growing.shoots(twig, species.twigs.bare);
     }
-    shade::shed(growing.wood, species.crown.shed, draw.child(5, 0))
+    if growing.wood.positions.len() > MOST_NODES {
+        let spacings = [
+            ("branches.spacing", species.branches.spacing, species.branches.ratio),
+            ("twigs.spacing", species.twigs.spacing, species.twigs.ratio),
+            ("shoots.spacing", species.shoots.spacing, 1.0),
+        ];
+        let used = spacings.into_iter().filter(|(_, _, ratio)| *ratio > 0.0);
+        let least = used.min_by(|a, b| a.1.total_cmp(&b.1));
+        let (field, value, _) = least.unwrap_or(("shoots.spacing", species.shoots.spacing, 1.0));
+        let (species, what) = (species.name.clone(), "nodes");
+        return Err(SpeciesError::TooMany { species, what, most: MOST_NODES, field, value });
+    }
+    Ok(shade::shed(growing.wood, species.crown.shed, draw.child(5, 0)))
 }
 
 impl Growing<'_> {
@@ -272,9 +289,6 @@ impl Growing<'_> {
         let from = self.wood.at(axis.nodes[0]).y;
         let bare_below = if from < self.outline.base() { self.outline.base() } else { 0.0 };
         self.stations(axis, table.stand, spacing, bare, |this, node, direction, outward, share| {
-            if this.wood.positions.len() > MOST_NODES {
-                return;
-            }
             let mut draw = axis.draw.child(rank as u32, number);
             number += 1;
             // What rises into the crown from below it is bare until it is there.
@@ -340,6 +354,9 @@ impl Growing<'_> {
         bare: f32,
         mut add: impl FnMut(&mut Self, u32, Vec3, Vec3, f32),
     ) {
+        if self.wood.positions.len() > MOST_NODES {
+            return;
+        }
         let mut draw = axis.draw.child(15, 0);
         let spacing = spacing * self.coarse;
         let flat = match axis.nodes.last().map(|&node| self.wood.ranks[node as usize]) {
@@ -349,7 +366,7 @@ impl Growing<'_> {
         let start = draw.unit() * TAU;
         let mut at = axis.length * bare + spacing * draw.unit();
         let mut station = 0;
-        while at < axis.length * 0.995 {
+        while at < axis.length * 0.995 && self.wood.positions.len() <= MOST_NODES {
             let share = at / axis.length;
             let (node, direction) = axis.station(&self.wood, share);
             let (side, normal) = frame(direction, &mut draw);

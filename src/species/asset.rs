@@ -1,11 +1,13 @@
 //! A tree of a species as one ships it.
 
-use super::specimen::linear;
+use super::specimen::{FRESH, WEATHERED, linear};
 use super::{BarkForm, Specimen};
 use crate::asset::{Asset, AssetBuilder, AssetError};
 use crate::surface::{Material, Tubes};
 use crate::texture::{Bark, BarkKind};
 
+/// Years after which a dead tree's images are of wood, not of bark.
+const BARE: f32 = 12.0;
 /// The trunk's diameter from which bark is as deep as it becomes, metres.
 const OLD: f32 = 0.6;
 
@@ -13,7 +15,10 @@ impl Specimen {
     /// The bark of its species as images, the older the thicker the trunk is. Its mean colour is the lightest of trunk, limbs and twigs,
     /// channel by channel; the vertex colours of [`levels`](Self::levels) darken it to each of them.
     pub fn bark_texture(&self) -> Bark {
+        // What is left of long dead trees is the grain of their wood.
+        let wood = self.numbers.dead.is_some_and(|years| years > BARE);
         let bark = match self.species.bark.kind {
+            _ if wood => Bark::of_kind(BarkKind::Stringy),
             BarkForm::Smooth => Bark::of_kind(BarkKind::Smooth),
             BarkForm::Fissured => Bark::of_kind(BarkKind::Ridged),
             BarkForm::Netted => Bark::of_kind(BarkKind::Netted),
@@ -32,7 +37,9 @@ impl Specimen {
 
     fn lightest(&self) -> [f32; 3] {
         let bark = &self.species.bark;
-        [0, 1, 2].map(|i| bark.trunk[i].max(bark.limbs[i]).max(bark.twigs[i]))
+        let broken = self.numbers.dead.is_some() || self.numbers.damage > 0.0;
+        let wood = [FRESH, WEATHERED].map(|wood| if broken { wood } else { [0.0; 3] });
+        [0, 1, 2].map(|i| bark.trunk[i].max(bark.limbs[i]).max(bark.twigs[i]).max(wood[0][i]).max(wood[1][i]))
     }
 
     /// Bark with images, leaves and cards in levels of detail, as [`AssetBuilder::levels`]: the finest has at most so many `triangles`
@@ -68,7 +75,8 @@ impl Specimen {
             .with_twigs(twigs)
             .with_texture_size(side)
             .with_leaf_size(Some((side / 4).clamp(32, 2048)));
-        let mut levels = builder.levels_with(&self.skeleton, self.leaves.as_slice(), shares)?;
+        let mut levels =
+            builder.levels_with(&self.skeleton, &self.foliage().cloned().collect::<Vec<_>>(), shares)?;
         let lightest = linear(self.lightest());
         for level in &mut levels {
             let color = |node: u32| {

@@ -1,5 +1,6 @@
 //! What a species is: the numbers of its text file.
 
+use super::organ::Organ;
 use super::text::Choice;
 use crate::foliage::Arrangement;
 
@@ -35,6 +36,8 @@ pub struct Species {
     pub leaves: LeafData,
     /// Its bark.
     pub bark: BarkData,
+    /// Its blossom, catkins, fruit and cones.
+    pub organs: Vec<Organ>,
 }
 
 /// How large a species gets. Values "at" two trunks are for diameters of 20 and 40 cm at 1.3 m; in between and beyond
@@ -175,6 +178,8 @@ pub struct Limbs {
     pub bare: f32,
     /// Least and greatest length, metres; 0 and 0 if limbs reach for the crown's outline.
     pub length: [f32; 2],
+    /// Dead limbs a metre of stem below the crown: in the open, and crowded in a stand.
+    pub dead: [f32; 2],
 }
 
 impl Default for Limbs {
@@ -192,6 +197,7 @@ impl Default for Limbs {
             crooked: 8.0,
             bare: 0.2,
             length: [0.0; 2],
+            dead: [0.0; 2],
         }
     }
 }

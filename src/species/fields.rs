@@ -1,6 +1,7 @@
 //! Every field of a species, in the order of its text form, with its range.
 
 use super::data::{Laterals, LeafData, Species};
+use super::organ::Organ;
 use super::text::Fields;
 
 const COLOR: [f32; 2] = [0.0, 255.0];
@@ -57,6 +58,7 @@ impl Species {
         fields.number("crooked", &mut limbs.crooked, [0.0, 90.0]);
         fields.number("bare", &mut limbs.bare, PART);
         fields.numbers("length", &mut limbs.length, METRES);
+        fields.numbers("dead", &mut limbs.dead, [0.0, 40.0]);
         fields.section("branches");
         self.branches.fields(fields);
         fields.section("twigs");
@@ -81,6 +83,7 @@ impl Species {
         fields.numbers("trunk", &mut bark.trunk, COLOR);
         fields.numbers("limbs", &mut bark.limbs, COLOR);
         fields.numbers("twigs", &mut bark.twigs, COLOR);
+        fields.tables("organs", &mut self.organs, Organ::MOST, |organ, fields| organ.fields(fields));
     }
 }
 
@@ -115,6 +118,6 @@ impl LeafData {
         fields.flag("evergreen", &mut self.evergreen);
         fields.numbers("summer", &mut self.summer, COLOR);
         fields.numbers("autumn", &mut self.autumn, COLOR);
-        fields.numbers("days", &mut self.days, [1.0, 366.0]);
+        fields.ascending("days", &mut self.days, [1.0, 366.0]);
     }
 }

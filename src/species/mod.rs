@@ -17,11 +17,15 @@
 mod architecture;
 #[cfg(feature = "texture")]
 mod asset;
+mod bear;
 mod data;
+mod decay;
 mod draw;
 mod dress;
 mod fields;
+mod model;
 mod names;
+mod organ;
 mod outline;
 mod request;
 mod shade;
@@ -38,6 +42,7 @@ pub use data::{
     BarkData, BarkForm, Crown, Laterals, LeafData, LeafShape, Limbs, Shoots, Size, Species, Stand, Trunk,
 };
 pub use names::{UnknownSpecies, all, by_name};
+pub use organ::{Organ, OrganKind, OrganPlace};
 pub use request::{Numbers, Request};
 pub use specimen::Specimen;
 pub use text::SpeciesTextError;
@@ -58,4 +63,18 @@ pub enum SpeciesError {
     /// Its data make leaves that cannot be placed.
     #[error(transparent)]
     Foliage(#[from] FoliageError),
+    /// Its data make more than memory should be asked for.
+    #[error("{species} would have more than {most} {what}, but {field} is {value} m; make it greater")]
+    TooMany {
+        /// The name of the species.
+        species: String,
+        /// Nodes or leaves.
+        what: &'static str,
+        /// The most there may be.
+        most: usize,
+        /// The field that most likely makes them so many, as `section.name`.
+        field: &'static str,
+        /// Its value, metres.
+        value: f32,
+    },
 }

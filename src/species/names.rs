@@ -44,6 +44,7 @@ pub(super) const TEXTS: &[(&str, &str)] = texts![
     "coconut_palm",
     "italian_cypress",
     "hazel",
+    "orchard_apple",
 ];
 
 /// All species built in, in a fixed order.

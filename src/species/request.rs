@@ -27,6 +27,8 @@ pub struct Request<'a> {
     age: Option<f32>,
     spacing: Option<f32>,
     day: f32,
+    dead: Option<f32>,
+    damage: f32,
     seed: u64,
 }
 
@@ -51,17 +53,34 @@ pub struct Numbers {
     pub crowding: f32,
     /// Day of the year, 1 to 366, of the northern half.
     pub day: f32,
+    /// Years since it died; none if it lives.
+    pub dead: Option<f32>,
+    /// The part of its limbs that a storm broke, 0 to 1.
+    pub damage: f32,
 }
 
 impl Species {
     /// A tree of this species to be asked for: in the open, on a day in July, seed 0.
     pub fn request(&self) -> Request<'_> {
-        Request { species: self, height: None, dbh: None, age: None, spacing: None, day: 196.0, seed: 0 }
+        Request {
+            species: self,
+            height: None,
+            dbh: None,
+            age: None,
+            spacing: None,
+            day: 196.0,
+            dead: None,
+            damage: 0.0,
+            seed: 0,
+        }
     }
 }
 
 /// Trunks of which the sizes in the data are told, metres.
 const TRUNKS: [f32; 2] = [0.2, 0.4];
+
+/// Trees whose diameter at 1.3 m is asked for are at least so tall, metres.
+const LOWEST: f32 = 1.6;
 
 /// By which power of its height the trunk of a tree above usual height is thicker.
 const TALL: f32 = 1.25;
@@ -76,13 +95,15 @@ fn at_trunk(at: [f32; 2], diameter: f32) -> f32 {
 }
 
 impl<'a> Request<'a> {
-    /// The height of the grown tree, metres; met within 1%.
+    /// The height of the grown tree, metres; met within 1%, before anything [breaks](Self::with_storm_damage) or
+    /// [falls](Self::with_years_dead).
     pub fn with_height(mut self, metres: f32) -> Self {
         self.height = Some(metres);
         self
     }
 
-    /// The diameter of the trunk 1.3 m above the base, metres; met within 1%. Of several stems the thickest has it.
+    /// The diameter of the trunk 1.3 m above the base, metres; met within 1%. Of several stems the thickest has it; a trunk
+    /// that divides lower has it where it divides. The tree is at least 1.6 m tall then.
     pub fn with_dbh(mut self, metres: f32) -> Self {
         self.dbh = Some(metres);
         self
@@ -113,6 +134,21 @@ impl<'a> Request<'a> {
         self
     }
 
+    /// A snag: so many years dead, 0 to 80. Leaves are gone (evergreens drop theirs, brown, over two years), then shoots,
+    /// twigs, branches and limbs break off one after the other, each to a stub with splinters, the top from the fourth year on;
+    /// bark falls in patches from the second year, wood turns grey. Default: it lives.
+    pub fn with_years_dead(mut self, years: f32) -> Self {
+        self.dead = Some(years);
+        self
+    }
+
+    /// Damage by a winter storm, 0 (none, the default) to 1: about this part of the limbs, and some of the branches and
+    /// twigs, are broken off with splintered stubs; above 0.5 the top may be, too.
+    pub fn with_storm_damage(mut self, part: f32) -> Self {
+        self.damage = part;
+        self
+    }
+
     /// The seed; default 0.
     pub fn with_seed(mut self, seed: u64) -> Self {
         self.seed = seed;
@@ -134,7 +170,7 @@ impl<'a> Request<'a> {
     /// # Errors
     /// A wish that the species cannot meet, with the range that it can.
     pub fn grow(&self) -> Result<Specimen, SpeciesError> {
-        super::specimen::grow(self.species, self.plan()?, self.seed)
+        super::specimen::grow(self.species, self.plan()?, self.dbh, self.seed)
     }
 
     /// What the tree is to be, without growing it.
@@ -158,6 +194,8 @@ impl<'a> Request<'a> {
         within("age", self.age, [1.0, oldest], "years")?;
         within("spacing", self.spacing, [0.3, 1000.0], "m")?;
         within("day", Some(self.day), [1.0, 366.0], "(day of the year)")?;
+        within("years dead", self.dead, [0.0, 80.0], "years")?;
+        within("storm damage", Some(self.damage), [0.0, 1.0], "of the limbs")?;
 
         let mut draw = Draw::new(self.seed);
         let [taller, wider, leafier] = size.spread.map(|spread| draw.factor(spread));
@@ -187,7 +225,7 @@ impl<'a> Request<'a> {
         };
         let [slowest, fastest] = size.slenderness;
         if let (Some(dbh), Some(height)) = (self.dbh, self.height) {
-            let [low, high] = [dbh * slowest, dbh * fastest];
+            let [low, high] = [(dbh * slowest).max(LOWEST), dbh * fastest];
             unless(
                 (low..=high).contains(&height),
                 "height",
@@ -196,6 +234,7 @@ impl<'a> Request<'a> {
             )?;
         } else if self.dbh.is_some() {
             height = height.clamp(dbh * slowest, dbh * fastest).clamp(size.height[0], size.height[1]);
+            height = height.max(LOWEST);
         } else if self.height.is_some() {
             dbh = dbh.clamp(height / fastest, height / slowest).clamp(size.diameter[0], size.diameter[1]);
         } else {
@@ -210,7 +249,10 @@ impl<'a> Request<'a> {
         }
         let share = (width / open_width).min(1.0);
         let clear = species.trunk.clear;
-        let base = clear[0] * draw.within([0.8, 1.2]);
+        // High crowns differ by as little as they are deep.
+        let jitter = draw.within([0.8, 1.2]);
+        let base =
+            if clear[0] <= 0.5 { clear[0] * jitter } else { clear[0] + (1.0 - clear[0]) * (jitter - 1.0) };
         let base = base + (clear[1] - base).max(0.0) * (crowding * 1.6).min(1.0);
         Ok(Numbers {
             height,
@@ -221,6 +263,8 @@ impl<'a> Request<'a> {
             leaf_area: leafy * share * share.sqrt(),
             crowding,
             day: self.day,
+            dead: self.dead,
+            damage: self.damage,
         })
     }
 }

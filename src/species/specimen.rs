@@ -2,16 +2,18 @@
 
 use super::SpeciesError;
 use super::architecture::{self, Scale};
+use super::bear;
 use super::data::Species;
+use super::decay::{self, Timber};
 use super::draw::Draw;
 use super::dress;
 use super::request::Numbers;
 use super::thickness;
 use super::wood::{Rank, Wood};
-use crate::Skeleton;
 use crate::foliage::Leaves;
 use crate::math;
 use crate::surface::{Material, Mesh, SurfaceError, Tubes};
+use crate::{ParameterError, Skeleton};
 use std::f32::consts::TAU;
 
 /// A tree of a species: what [`Request::grow`](super::Request::grow) gives.
@@ -25,13 +27,22 @@ pub struct Specimen {
     pub skeleton: Skeleton,
     /// Its leaves on that day, each in its tone; none in winter.
     pub leaves: Option<Leaves>,
+    /// Its blossom, catkins, fruit and cones on that day, one entry a sort that is there.
+    pub organs: Vec<Leaves>,
     /// The numbers it was grown by, with those that are measured on it.
     pub numbers: Numbers,
     /// The seed.
     pub seed: u64,
+    /// How bare of bark it is at each node, 0 to 1.
+    bare: Vec<f32>,
 }
 
 impl Specimen {
+    /// Everything that stands on the branches: leaves, then blossom, catkins, fruit and cones.
+    pub fn foliage(&self) -> impl Iterator<Item = &Leaves> {
+        self.leaves.iter().chain(&self.organs)
+    }
+
     /// The bark of the trunk as a plain material.
     pub fn bark(&self) -> Material {
         Material::bark().with_srgb(self.species.bark.trunk.map(|channel| channel as u8))
@@ -60,10 +71,21 @@ impl Specimen {
         let (half, radius) = (0.5 * self.numbers.dbh, self.skeleton.radii()[node]);
         let old = smooth((radius / half - 0.45) / 0.35);
         let young = 1.0 - smooth((radius - 0.004) / (0.1 * half).clamp(0.004, 0.02));
-        [0, 1, 2].map(|i| {
+        let bark = [0, 1, 2].map(|i| {
             let wood = limbs[i] + (trunk[i] - limbs[i]) * old;
             wood + (twigs[i] - wood) * young
-        })
+        });
+        // Dead bark fades; wood is yellow when it breaks, and grey after years.
+        let years = self.numbers.dead.unwrap_or(0.0);
+        let mix = |a: [f32; 3], b: [f32; 3], t: f32| [0, 1, 2].map(|i| a[i] + (b[i] - a[i]) * t);
+        let gray = linear(WEATHERED);
+        let wood = mix(linear(FRESH), gray, (years / 6.0).min(1.0));
+        let wood = if self.numbers.dead.is_none() && self.numbers.damage <= 0.0 { gray } else { wood };
+        mix(
+            mix(bark, gray, 0.45 * (years / 15.0).min(1.0)),
+            wood,
+            self.bare.get(node).copied().unwrap_or(0.0),
+        )
     }
 }
 
@@ -71,13 +93,27 @@ pub(super) fn linear(encoded: [f32; 3]) -> [f32; 3] {
     encoded.map(|channel| math::linear(channel / 255.0))
 }
 
+/// Wood where it has just broken, and after years in the weather, sRGB.
+pub(super) const FRESH: [f32; 3] = [204.0, 172.0, 124.0];
+pub(super) const WEATHERED: [f32; 3] = [150.0, 144.0, 134.0];
+
 /// How often a tree is grown until its crown is as wide as wished for.
 const TRIALS: usize = 3;
 
-pub(super) fn grow(species: &Species, plan: Numbers, seed: u64) -> Result<Specimen, SpeciesError> {
+/// More leaves than these have no room in memory at the spacing of the species.
+const MOST_LEAVES: usize = 4_000_000;
+/// By which part a diameter that was asked for may be missed.
+const OFF: f32 = 0.02;
+
+pub(super) fn grow(
+    species: &Species,
+    plan: Numbers,
+    dbh: Option<f32>,
+    seed: u64,
+) -> Result<Specimen, SpeciesError> {
     let mut scale = Scale { radius: 1.0, density: 1.0 };
     let leaves = dress::wanted(species, plan.leaf_area);
-    let mut wood = architecture::grow(species, &plan, scale, seed);
+    let mut wood = architecture::grow(species, &plan, scale, seed)?;
     for _ in 0..TRIALS {
         let width = crown_width(&wood) * plan.height / height(&wood);
         let off = plan.crown_width / width.max(0.01);
@@ -87,27 +123,71 @@ pub(super) fn grow(species: &Species, plan: Numbers, seed: u64) -> Result<Specim
         }
         scale.radius = (scale.radius * off).clamp(0.3, 3.0);
         scale.density = (scale.density * math::powf(dense, 0.7)).clamp(0.3, 3.0);
-        wood = architecture::grow(species, &plan, scale, seed);
+        wood = architecture::grow(species, &plan, scale, seed)?;
+    }
+    if room(species, &wood) > MOST_LEAVES as f32 {
+        let (field, value) = ("leaves.spacing", species.leaves.spacing);
+        let (species, what, most) = (species.name.clone(), "leaves", MOST_LEAVES);
+        return Err(SpeciesError::TooMany { species, what, most, field, value });
     }
     // To the height wished for, exactly.
     let factor = plan.height / height(&wood);
     for position in &mut wood.positions {
         *position *= factor;
     }
-    let radii = thickness::radii(species, &wood, &plan, Draw::new(seed).child(30, 0));
+    let radii = thickness::radii(species, &wood, &plan, dbh.is_some(), Draw::new(seed).child(30, 0));
     let mut numbers = plan;
     numbers.height = height(&wood);
     numbers.dbh = 2.0 * thickness::at_breast(&wood, &radii);
+    if let Some(wish) = dbh.filter(|wish| (numbers.dbh / wish - 1.0).abs() > OFF) {
+        let [least, most] = [wish.min(numbers.dbh), species.size.diameter[1]];
+        let range =
+            format!("{} to {most} m at this height", if wish < numbers.dbh { numbers.dbh } else { least });
+        let what = format!("dbh of {}", species.name);
+        return Err(ParameterError::new(what, format!("{wish} m"), range).into());
+    }
     numbers.crown_width = crown_width(&wood);
     numbers.crown_base = crown_base(&wood).unwrap_or(numbers.crown_base);
+    let whole = skeleton(&Timber::new(wood.clone(), radii.clone()))?;
+    let (mut dressed, area) = dress::dress(species, &whole, plan.leaf_area, plan.day, seed)?;
+    numbers.leaf_area = area;
+    let mut organs = bear::bear(species, &whole, &numbers, seed);
+    // What breaks and dies does so on the tree as it was.
+    let mut timber = Timber::new(wood, radii);
+    let number = decay::wreck(&mut timber, &numbers, seed);
+    let intact = numbers.dead.is_none() && numbers.damage <= 0.0;
+    if !intact {
+        let before = dressed.as_ref().map_or(0.0, Leaves::area);
+        for leaves in dressed.iter_mut().chain(&mut organs) {
+            decay::keep(leaves, &number);
+        }
+        let after = dressed.as_ref().map_or(0.0, Leaves::area);
+        numbers.leaf_area *= if before > 0.0 { (after / before) as f32 } else { 1.0 };
+        if let Some(years) = numbers.dead {
+            let evergreen = species.leaves.evergreen;
+            dressed = dressed.filter(|_| evergreen).and_then(|leaves| decay::wither(leaves, years, seed));
+            numbers.leaf_area = 0.0;
+            organs.clear();
+        }
+        dressed = dressed.filter(|leaves| !leaves.instances.is_empty());
+        organs.retain(|leaves| !leaves.instances.is_empty());
+        numbers.height = height(&timber.wood);
+        numbers.crown_width = crown_width(&timber.wood);
+        numbers.crown_base = crown_base(&timber.wood).unwrap_or(numbers.crown_base);
+    }
+    decay::dead_limbs(&mut timber, species, &numbers, seed);
+    let skeleton = if timber.radii.len() == whole.len() && intact { whole } else { skeleton(&timber)? };
+    let bare = timber.bare;
+    Ok(Specimen { species: species.clone(), skeleton, leaves: dressed, organs, numbers, seed, bare })
+}
+
+fn skeleton(timber: &Timber) -> Result<Skeleton, SpeciesError> {
+    let Timber { wood, radii, .. } = timber;
     let parents =
         wood.parents.iter().enumerate().map(|(node, &parent)| (node > 0).then_some(parent)).collect();
     let stages = wood.ranks.iter().map(|&rank| rank as u16).collect();
-    let skeleton = Skeleton::new(wood.positions, parents)?.with_radii(radii)?.with_stages(stages)?;
-    let skeleton = skeleton.with_orders(wood.orders)?;
-    let (dressed, area) = dress::dress(species, &skeleton, plan.leaf_area, plan.day, seed)?;
-    numbers.leaf_area = area;
-    Ok(Specimen { species: species.clone(), skeleton, leaves: dressed, numbers, seed })
+    let skeleton = Skeleton::new(wood.positions.clone(), parents)?.with_radii(radii.clone())?;
+    Ok(skeleton.with_stages(stages)?.with_orders(wood.orders.clone())?)
 }
 
 fn height(wood: &Wood) -> f32 {

@@ -2,6 +2,7 @@
 
 use super::data::{BarkForm, LeafShape, Species};
 use super::names::TEXTS;
+use super::organ::Organ;
 use super::{SpeciesError, Specimen, all, by_name};
 use crate::math;
 use crate::radius::check_radii;
@@ -10,7 +11,7 @@ use std::collections::BTreeSet;
 use std::error::Error;
 
 /// The number of species built in.
-const SPECIES: usize = 24;
+const SPECIES: usize = 25;
 
 #[test]
 fn every_text_is_a_species() {
@@ -69,6 +70,21 @@ fn wrong_texts_are_told_by_line_and_field() {
             "name = \"x\"\n[crown]\nprofile = [1]",
             "line 3: crown.profile: has 1 numbers, but must have 2 to 12",
         ),
+        ("name = \"x\"\n[sise]", "line 2: sise: there is no such section; did you mean size?"),
+        ("name = \"x\"\n[size]\n\n[ ]", "line 4: : there is no such section; did you mean size?"),
+        ("name = \"x\"\n[size]\n[bark]\n[size]", "line 4: size: is given twice"),
+        ("name = \"x\"\n[[size]]", "line 2: size: is no list: write [size]"),
+        ("name = \"x\"\n[organs]\nsize = 1", "line 2: organs: is a list: write [[organs]]"),
+        (
+            "name = \"x\"\n[[organs]]\nsise = 1",
+            "line 3: organs.sise: there is no such field; did you mean organs.size?",
+        ),
+        ("name = \"x\"\n[[organs]]\n[[organs]]\nshare = 2", "line 4: organs.share: is 2, but must be 0 to 1"),
+        (
+            "name = \"x\"\n[[organs]]\n[[organs]]\ndays = [9, 8, 10, 11]",
+            "line 4: organs.days: must be in ascending order",
+        ),
+        ("name = \"x\"\n[leaves]\ndays = [9, 8, 10, 11]", "line 3: leaves.days: must be in ascending order"),
         (
             "name = \"x\"\n[size]\nusual_diameter = 9",
             "line 3: size.usual_diameter: must lie within size.diameter",
@@ -80,6 +96,214 @@ fn wrong_texts_are_told_by_line_and_field() {
     let error =
         Species::parse("name = \"x\"\n[bark]\nkind = \"furry\"").expect_err("no such bark").to_string();
     assert!(error.starts_with("line 3: bark.kind: is \"furry\", but must be one of \"smooth\", "), "{error}");
+}
+
+#[test]
+fn tables_are_read_one_by_one_up_to_the_most() {
+    let table = "[[organs]]\nsize = 0.5\n";
+    let text = |count: usize| format!("name = \"x\"\n{}", table.repeat(count));
+    let read = Species::parse(&text(Organ::MOST)).expect("as many as there may be");
+    assert_eq!(read.organs.len(), Organ::MOST);
+    assert!(read.organs.iter().all(|organ| organ.size == 0.5 && organ.share == Organ::default().share));
+    let error = Species::parse(&text(Organ::MOST + 1)).expect_err("one too many");
+    assert_eq!(error.to_string(), "line 18: organs: there are 9 of them, but at most 8");
+}
+
+/// In range one by one, but together gigabytes.
+#[test]
+fn what_would_fill_the_memory_is_refused() {
+    for (section, field) in [
+        ("[shoots]\nspacing = 0.005\n[limbs]\ncount = 400\n[branches]\nspacing = 0.05", "shoots.spacing"),
+        ("[shoots]\nspacing = 0.02\n[twigs]\nspacing = 0.01", "twigs.spacing"),
+        (
+            "[limbs]\ncount = 400\n[branches]\nspacing = 0.01\nratio = 10\nlength = [0.15, 200]",
+            "branches.spacing",
+        ),
+        (
+            "[leaves]\nspacing = 0.001\nreach = 20\n[shoots]\nlength = 3\nspacing = 0.01\n[size]\nleaf_area_at = [4900, 5000]",
+            "leaves.spacing",
+        ),
+    ] {
+        let text = format!("name = \"x\"\n{section}");
+        let species = Species::parse(&text).expect("all are in range");
+        let started = std::time::Instant::now();
+        match species.request().with_dbh(0.9).grow() {
+            Err(SpeciesError::TooMany { field: told, most, .. }) => {
+                assert!(told == field && most <= 4_000_000, "{told} for {field}");
+            }
+            Err(error) => panic!("{field}: {error}"),
+            Ok(tree) => panic!("{field}: {} nodes", tree.skeleton.len()),
+        }
+        assert!(started.elapsed().as_secs() < 60, "{field}: {:?}", started.elapsed());
+    }
+}
+
+#[test]
+fn diameters_are_met_or_refused_however_low_the_tree() -> Result<(), Box<dyn Error>> {
+    for species in all() {
+        let [low, high] = species.size.height;
+        for height in
+            [low, 1.2, 1.4, 1.59, 1.6, 1.61, 1.7, 1.9, 2.3].into_iter().filter(|h| (low..high).contains(h))
+        {
+            for part in [0.0f32, 0.05, 0.3] {
+                let [thin, thick] = species.size.diameter;
+                let dbh = thin + (thick - thin) * part;
+                for request in
+                    [species.request().with_height(height).with_dbh(dbh), species.request().with_dbh(dbh)]
+                {
+                    match request.with_seed(5).grow() {
+                        Ok(tree) => {
+                            let (name, measured) = (&species.name, tree.numbers.dbh);
+                            let height = tree.numbers.height;
+                            assert!(
+                                (measured / dbh - 1.0).abs() < 0.02,
+                                "{name}, {height} m: {measured} for {dbh}"
+                            );
+                            assert!((diameter(&tree.skeleton) / dbh - 1.0).abs() < 0.02, "{name}");
+                            assert!(height >= 1.59, "{name}: {height}");
+                        }
+                        Err(SpeciesError::Wish(error)) => assert!(error.range.contains(" to "), "{error}"),
+                        Err(error) => return Err(error.into()),
+                    }
+                }
+            }
+        }
+    }
+    Ok(())
+}
+
+/// Of the tree that stands there on that day: how many of each sort.
+fn counts(species: &Species, day: f32) -> Result<Vec<usize>, SpeciesError> {
+    let height = (species.size.height[0] * 2.0).max(4.5).min(species.size.height[1]);
+    let tree = species.request().with_height(height).with_day(day).with_seed(2).grow()?;
+    for organs in &tree.organs {
+        organs.leaf.mesh().check().expect("a sound mesh");
+        assert!(organs.instances.iter().all(|organ| (organ.node as usize) < tree.skeleton.len()));
+    }
+    Ok(tree.organs.iter().map(|organs| organs.instances.len()).collect())
+}
+
+#[test]
+fn every_sort_comes_in_its_time_and_goes() -> Result<(), Box<dyn Error>> {
+    for species in all() {
+        assert!(!species.organs.is_empty(), "{}", species.name);
+        for organ in &species.organs {
+            let mut one = species.clone();
+            one.organs = vec![organ.clone()];
+            let [first, full, falling, last] = organ.days;
+            let count = |day: f32| {
+                Ok::<_, SpeciesError>(counts(&one, (day - 1.0) % 366.0 + 1.0)?.iter().sum::<usize>())
+            };
+            let whole = count(0.5 * (full + falling))?;
+            assert!(whole > 0, "{}: {organ:?}", species.name);
+            if first > 1.0 || last < 732.0 {
+                assert_eq!((count(first - 1.0)?, count(last + 1.0)?), (0, 0), "{}: {organ:?}", species.name);
+                let late = count(0.3 * falling + 0.7 * last)?;
+                assert!(late < whole || whole < 3, "{}: {late} of {whole}, {organ:?}", species.name);
+            }
+        }
+    }
+    Ok(())
+}
+
+/// What falls leaves the others where they were, and leaves and wood take no notice.
+#[test]
+fn organs_stay_where_they_are() -> Result<(), Box<dyn Error>> {
+    let mut cherry = by_name("cherry")?.clone();
+    let grown =
+        |species: &Species, day: f32| species.request().with_height(4.0).with_day(day).with_seed(3).grow();
+    let (full, late) = (grown(&cherry, 116.0)?, grown(&cherry, 126.0)?);
+    let places = |tree: &Specimen| -> BTreeSet<[u32; 3]> {
+        let all = tree.organs.iter().flat_map(|organs| &organs.instances);
+        all.map(|organ| organ.position.to_array().map(f32::to_bits)).collect()
+    };
+    let (before, after) = (places(&full), places(&late));
+    assert!(!after.is_empty() && after.len() < before.len() && after.is_subset(&before));
+    cherry.organs.clear();
+    let without = grown(&cherry, 116.0)?;
+    assert_eq!((&without.leaves, &without.skeleton), (&full.leaves, &full.skeleton));
+    assert!(without.organs.is_empty());
+    Ok(())
+}
+
+#[test]
+fn the_dead_fall_to_pieces_year_by_year() -> Result<(), Box<dyn Error>> {
+    for species in all() {
+        let height = (species.size.height[0] * 2.0).max(6.0).min(species.size.height[1]);
+        let request = species.request().with_height(height).with_seed(6);
+        let alive = request.clone().grow()?;
+        let mut before = alive.skeleton.len();
+        let volume = |tree: &Specimen| -> f32 {
+            let (places, radii) = (tree.skeleton.positions(), tree.skeleton.radii());
+            let of =
+                |(node, parent): (usize, usize)| places[node].distance(places[parent]) * radii[node].powi(2);
+            tree.skeleton.edges().map(of).sum()
+        };
+        for years in [0.5, 3.0, 10.0, 30.0, 80.0] {
+            let snag = request.clone().with_years_dead(years).grow()?;
+            let name = &species.name;
+            snag.skeleton.check()?;
+            check_radii(&snag.skeleton, snag.skeleton.radii())?;
+            // Splinters are new nodes, but less wood.
+            assert!(snag.skeleton.len() <= before + 8 || years > 9.0, "{name}, {years} years");
+            assert!(volume(&snag) <= volume(&alive) * 1.01, "{name}, {years} years");
+            before = snag.skeleton.len();
+            assert!(snag.organs.is_empty() && snag.numbers.leaf_area == 0.0);
+            assert!(snag.leaves.is_none() || species.leaves.evergreen && years < 2.0, "{name}, {years}");
+            assert!((snag.numbers.dbh - alive.numbers.dbh).abs() < 1e-4, "{name}");
+            assert!(snag.numbers.height <= alive.numbers.height * 1.05, "{name}");
+            assert_eq!(snag, request.clone().with_years_dead(years).grow()?, "{name}");
+        }
+        assert!(before < alive.skeleton.len() / 3, "{}: {before} of {}", species.name, alive.skeleton.len());
+    }
+    Ok(())
+}
+
+#[test]
+fn storms_break_limbs_and_leave_the_rest() -> Result<(), Box<dyn Error>> {
+    for species in all() {
+        let height = (species.size.height[0] * 2.0).max(6.0).min(species.size.height[1]);
+        let request = species.request().with_height(height).with_seed(6);
+        let whole = request.clone().grow()?;
+        assert_eq!(request.clone().with_storm_damage(0.0).grow()?, whole, "{}", species.name);
+        let tips = |tree: &Specimen| {
+            tree.skeleton.edges().filter(|(node, _)| tree.skeleton.stages()[*node] == 4).count()
+        };
+        let mut before = tips(&whole);
+        for part in [0.3, 0.6, 1.0] {
+            let broken = request.clone().with_storm_damage(part).grow()?;
+            broken.skeleton.check()?;
+            check_radii(&broken.skeleton, broken.skeleton.radii())?;
+            let left = tips(&broken);
+            assert!(left <= before, "{}: {left} of {before} at {part}", species.name);
+            before = left;
+            assert!(broken.numbers.leaf_area < whole.numbers.leaf_area, "{}", species.name);
+        }
+        assert!(before * 2 < tips(&whole), "{}: {before} of {}", species.name, tips(&whole));
+    }
+    Ok(())
+}
+
+#[test]
+fn dead_limbs_stand_below_crowded_crowns() -> Result<(), Box<dyn Error>> {
+    let spruce = by_name("Norway spruce")?;
+    let low = |tree: &Specimen| {
+        let skeleton = &tree.skeleton;
+        let is_low = |node: usize| skeleton.positions()[node].y < 0.9 * tree.numbers.crown_base;
+        skeleton.edges().filter(|(node, _)| skeleton.stages()[*node] == 1 && is_low(*node)).count()
+    };
+    let request = spruce.request().with_height(10.0).with_seed(1);
+    let (open, stand) = (request.clone().grow()?, request.in_a_stand(2.0).grow()?);
+    assert_eq!(low(&open), 0);
+    assert!(low(&stand) > 20, "{}", low(&stand));
+    let leaves = &stand.leaves.as_ref().expect("an evergreen").instances;
+    let nodes = leaves.iter().map(|leaf| leaf.node as usize);
+    assert!(
+        nodes.map(|node| stand.skeleton.positions()[node].y).fold(f32::MAX, f32::min)
+            > 0.5 * stand.numbers.crown_base
+    );
+    check_radii(&stand.skeleton, stand.skeleton.radii())?;
+    Ok(())
 }
 
 #[test]

@@ -43,6 +43,19 @@ pub(super) trait Fields {
     /// One of several names.
     fn choice<T: Choice>(&mut self, name: &'static str, value: &mut T);
 
+    /// Any number of tables of this name up to `most`, each with the fields that `each` goes over.
+    fn tables<T: Default>(
+        &mut self,
+        name: &'static str,
+        items: &mut Vec<T>,
+        most: usize,
+        each: impl Fn(&mut T, &mut Self),
+    ) where
+        Self: Sized;
+
+    /// Numbers that do not fall from one to the next.
+    fn ascending(&mut self, name: &'static str, values: &mut [f32], range: [f32; 2]);
+
     /// One number.
     fn number(&mut self, name: &'static str, value: &mut f32, range: [f32; 2]) {
         self.numbers(name, std::slice::from_mut(value), range);
@@ -53,15 +66,28 @@ pub(super) trait Fields {
 struct Entry<'a> {
     line: usize,
     section: &'a str,
+    /// Which of the tables of that name, from 1; 0 in a section.
+    table: usize,
     name: &'a str,
     value: &'a str,
     used: bool,
 }
 
+/// A line `[section]` or `[[table]]`.
+struct Header<'a> {
+    line: usize,
+    name: &'a str,
+    table: usize,
+}
+
 struct Reader<'a> {
     entries: Vec<Entry<'a>>,
+    headers: Vec<Header<'a>>,
     lines: usize,
     section: &'static str,
+    table: usize,
+    /// Every section there is, and whether it is a list of tables.
+    sections: Vec<(&'static str, bool)>,
     /// Every field there is, for what is said of unknown ones.
     known: Vec<String>,
     error: Option<SpeciesTextError>,
@@ -73,7 +99,8 @@ fn path(section: &str, name: &str) -> String {
 
 impl<'a> Reader<'a> {
     fn new(text: &'a str) -> Result<Self, SpeciesTextError> {
-        let (mut entries, mut section, mut lines) = (Vec::<Entry<'a>>::new(), "", 0);
+        let (mut entries, mut headers) = (Vec::<Entry<'a>>::new(), Vec::<Header<'a>>::new());
+        let (mut section, mut table, mut lines) = ("", 0, 0);
         for (index, raw) in text.lines().enumerate() {
             lines = index + 1;
             let wrong = |field: String, reason: &str| SpeciesTextError {
@@ -85,26 +112,68 @@ impl<'a> Reader<'a> {
             if line.is_empty() {
                 continue;
             }
-            if let Some(name) = line.strip_prefix('[').and_then(|rest| rest.strip_suffix(']')) {
+            let inner = |open: &str, close: &str| line.strip_prefix(open)?.strip_suffix(close);
+            if let Some(name) = inner("[[", "]]").or_else(|| inner("[", "]")) {
                 section = name.trim();
+                let before = headers.iter().filter(|header| header.name == section);
+                table = if line.starts_with("[[") {
+                    before.map(|header| header.table).max().unwrap_or(0) + 1
+                } else {
+                    0
+                };
+                if table == 0 && headers.iter().any(|header| header.name == section && header.table == 0) {
+                    return Err(wrong(section.to_owned(), "is given twice"));
+                }
+                headers.push(Header { line: index + 1, name: section, table });
                 continue;
             }
             let Some((name, value)) = line.split_once('=') else {
                 return Err(wrong(line.to_owned(), "expected `name = value` or `[section]`"));
             };
             let (name, value) = (name.trim(), value.trim());
-            if entries.iter().any(|entry| entry.section == section && entry.name == name) {
+            let same = |entry: &Entry<'_>| (entry.section, entry.table, entry.name) == (section, table, name);
+            if entries.iter().any(same) {
                 return Err(wrong(path(section, name), "is given twice"));
             }
-            entries.push(Entry { line: index + 1, section, name, value, used: false });
+            entries.push(Entry { line: index + 1, section, table, name, value, used: false });
         }
-        Ok(Self { entries, lines, section: "", known: Vec::new(), error: None })
+        Ok(Self {
+            entries,
+            headers,
+            lines,
+            section: "",
+            table: 0,
+            sections: Vec::new(),
+            known: Vec::new(),
+            error: None,
+        })
+    }
+
+    /// What is wrong with the headers: sections that there are none of, lists that are not written as such.
+    fn check_headers(&mut self) {
+        for header in std::mem::take(&mut self.headers) {
+            let known = self.sections.iter().find(|(name, _)| *name == header.name);
+            let reason = match (known, header.table > 0) {
+                (Some((_, true)), false) => format!("is a list: write [[{}]]", header.name),
+                (Some((_, false)), true) => format!("is no list: write [{}]", header.name),
+                (Some(_), _) => continue,
+                (None, _) => {
+                    let names = self.sections.iter().map(|(name, _)| *name);
+                    let near = super::names::nearest(header.name, names, 1);
+                    format!("there is no such section; did you mean {}?", near.join(", "))
+                }
+            };
+            if self.error.as_ref().is_none_or(|error| header.line <= error.line) {
+                self.error = Some(SpeciesTextError { line: header.line, field: header.name.into(), reason });
+            }
+        }
     }
 
     fn take(&mut self, name: &'static str) -> Option<(usize, &'a str)> {
         self.known.push(path(self.section, name));
-        let section = self.section;
-        let entry = self.entries.iter_mut().find(|entry| entry.section == section && entry.name == name)?;
+        let wanted = (self.section, self.table, name);
+        let entry =
+            self.entries.iter_mut().find(|entry| (entry.section, entry.table, entry.name) == wanted)?;
         entry.used = true;
         Some((entry.line, entry.value))
     }
@@ -158,7 +227,50 @@ fn unquoted(value: &str) -> Option<&str> {
 
 impl Fields for Reader<'_> {
     fn section(&mut self, name: &'static str) {
+        (self.section, self.table) = (name, 0);
+        self.sections.push((name, false));
+    }
+
+    fn tables<T: Default>(
+        &mut self,
+        name: &'static str,
+        items: &mut Vec<T>,
+        most: usize,
+        each: impl Fn(&mut T, &mut Self),
+    ) {
         self.section = name;
+        self.sections.push((name, true));
+        let found = self.headers.iter().filter(|header| header.name == name && header.table > 0);
+        let lines: Vec<usize> = found.map(|header| header.line).collect();
+        if let Some(line) = lines.get(most) {
+            self.section = "";
+            self.fail(*line, name, format!("there are {} of them, but at most {most}", lines.len()));
+            self.section = name;
+        }
+        // Without any the fields are gone over too, for what is said of unknown ones.
+        self.table = usize::MAX;
+        each(&mut T::default(), self);
+        let known = self.known.len();
+        for number in 1..=lines.len().min(most) {
+            self.table = number;
+            let mut item = T::default();
+            each(&mut item, self);
+            self.known.truncate(known);
+            items.push(item);
+        }
+        // Those too many are told as such, not field by field.
+        for entry in self.entries.iter_mut().filter(|entry| entry.section == name && entry.table > most) {
+            entry.used = true;
+        }
+    }
+
+    fn ascending(&mut self, name: &'static str, values: &mut [f32], range: [f32; 2]) {
+        let line = self.take(name).map(|(line, _)| line);
+        self.known.pop();
+        self.numbers(name, values, range);
+        if let Some(line) = line.filter(|_| values.windows(2).any(|pair| pair[0] > pair[1])) {
+            self.fail(line, name, "must be in ascending order".into());
+        }
     }
 
     fn text(&mut self, name: &'static str, value: &mut String) {
@@ -249,6 +361,23 @@ impl Fields for Writer {
         let _ = writeln!(self.text, "\n[{name}]");
     }
 
+    fn tables<T: Default>(
+        &mut self,
+        name: &'static str,
+        items: &mut Vec<T>,
+        _: usize,
+        each: impl Fn(&mut T, &mut Self),
+    ) {
+        for item in items {
+            let _ = writeln!(self.text, "\n[[{name}]]");
+            each(item, self);
+        }
+    }
+
+    fn ascending(&mut self, name: &'static str, values: &mut [f32], range: [f32; 2]) {
+        self.numbers(name, values, range);
+    }
+
     fn text(&mut self, name: &'static str, value: &mut String) {
         // A quote or a line break has no form here.
         self.line(name, format_args!("\"{}\"", value.replace('"', "'").replace(['\n', '\r'], " ")));
@@ -297,6 +426,7 @@ impl Species {
         let mut reader = Reader::new(text)?;
         let mut species = Self::default();
         species.fields(&mut reader);
+        reader.check_headers();
         for entry in reader.entries.iter().filter(|entry| !entry.used) {
             if reader.error.as_ref().is_none_or(|error| entry.line < error.line) {
                 let field = path(entry.section, entry.name);
@@ -347,9 +477,6 @@ impl Species {
         }
         if !(size.diameter[0]..=size.diameter[1]).contains(&size.usual_diameter) {
             return wrong("size.usual_diameter", "must lie within size.diameter");
-        }
-        if species.leaves.days.windows(2).any(|days| days[0] > days[1]) {
-            return wrong("leaves.days", "must be in ascending order");
         }
         Ok(species)
     }

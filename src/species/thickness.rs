@@ -16,7 +16,8 @@ const EXPONENTS: [f32; 2] = [1.75, 3.0];
 /// No limb is thicker than this part of its stem.
 const LIMB: f32 = 0.86;
 
-pub(super) fn radii(species: &Species, wood: &Wood, plan: &Numbers, mut draw: Draw) -> Vec<f32> {
+/// The radius of each node. A diameter that was `asked` for is met however low the stem is.
+pub(super) fn radii(species: &Species, wood: &Wood, plan: &Numbers, asked: bool, mut draw: Draw) -> Vec<f32> {
     let count = wood.positions.len();
     let tip = species.shoots.radius / 1000.0;
     let mut bears = vec![false; count];
@@ -51,7 +52,7 @@ pub(super) fn radii(species: &Species, wood: &Wood, plan: &Numbers, mut draw: Dr
         .iter()
         .map(|&radius| if radius > tip { tip * math::powf(radius / tip, stretch) } else { radius })
         .collect();
-    stems(species, wood, plan, &mut radii);
+    stems(species, wood, plan, asked, &mut radii);
     // Nothing is thicker than what bears it; a limb keeps its own taper below its stem's.
     let mut narrowed = vec![1.0f32; count];
     for node in 1..count {
@@ -109,7 +110,7 @@ fn exponent(wood: &Wood, tips: &[f32], breast: f32) -> f32 {
 }
 
 /// Stems by their profile; where a trunk divides, its end by pipes.
-fn stems(species: &Species, wood: &Wood, plan: &Numbers, radii: &mut [f32]) {
+fn stems(species: &Species, wood: &Wood, plan: &Numbers, asked: bool, radii: &mut [f32]) {
     let trunk = &species.trunk;
     let tip = species.shoots.radius / 1000.0;
     let count = wood.positions.len();
@@ -157,14 +158,14 @@ fn stems(species: &Species, wood: &Wood, plan: &Numbers, radii: &mut [f32]) {
     if measured > 0.0 {
         let factor = plan.dbh * 0.5 / measured;
         // Of a stem hardly higher than that, the diameter there is nearly the tip's, and says nothing about the base.
-        let factor = if tops[0] < 1.25 * BREAST { factor.min(MOST_THICKER) } else { factor };
+        let factor = if !asked && tops[0] < 1.25 * BREAST { factor.min(MOST_THICKER) } else { factor };
         for node in (0..count).filter(|&node| is_stem(node) && wood.orders[node] == 0) {
             radii[node] = (radii[node] * factor).max(tip);
         }
     }
 }
 
-/// By how much low stems become thicker at the most than their profile, to meet the diameter wished for.
+/// By how much low stems become thicker at the most than their profile, where the diameter is not asked for.
 const MOST_THICKER: f32 = 1.3;
 
 /// Radius over that at breast height, by height: linear between the measured ones, down to the shoot at the top.
