@@ -49,9 +49,11 @@
 
 #[cfg(feature = "texture")]
 pub mod asset;
+pub mod cloud;
 pub mod export;
 pub mod field;
 pub mod foliage;
+pub mod format;
 pub mod growth;
 pub mod guided;
 pub mod math;
@@ -60,6 +62,7 @@ mod nearest;
 mod observer;
 mod parallel;
 mod parameter;
+mod ply;
 pub mod presets;
 #[cfg(feature = "preview")]
 pub mod preview;
@@ -72,6 +75,7 @@ pub mod species;
 pub mod surface;
 #[cfg(feature = "testing")]
 pub mod testing;
+mod text;
 #[cfg(feature = "texture")]
 pub mod texture;
 pub mod variational;

@@ -6,15 +6,16 @@ use std::path::{Path, PathBuf};
 
 /// From left to right; modules in one entry do not import from each other.
 const LAYERS: &[&[&str]] = &[
-    &["math", "random", "parameter", "observer", "parallel"],
-    &["nearest"],
+    &["math", "random", "parameter", "observer", "parallel", "text"],
+    &["nearest", "ply"],
     &["shape", "field"],
-    &["skeleton"],
+    &["skeleton", "cloud"],
+    &["format"],
     &["radius", "metrics", "texture"],
     &["guided", "growth", "self_organizing", "variational"],
     &["surface"],
     &["foliage"],
-    &["export", "preview", "asset"],
+    &["export", "preview", "asset", "scan", "reconstruct"],
     &["species"],
     &["presets"],
     &["testing"],

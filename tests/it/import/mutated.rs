@@ -192,3 +192,33 @@ fn bent_skeletons() {
         treesynth::export::read_skeleton(bytes).is_ok_and(|skeleton| skeleton.check().is_ok())
     });
 }
+
+#[test]
+fn bent_tables_of_trees() {
+    use treesynth::cloud::{Cloud, Frame, PlyEncoding};
+    use treesynth::format::{FormatError, Trees, read_mtg, read_qsm, read_swc, write_mtg, write_qsm, write_swc};
+    let nodes = [[0.0, 0.0, 0.0], [0.0, 1.0, 0.0], [1.0, 2.0, 0.0], [-1.0, 2.0, 0.5]].map(treesynth::glam::Vec3::from);
+    let tree = treesynth::Skeleton::new(nodes.to_vec(), vec![None, Some(0), Some(1), Some(1)]).unwrap();
+    let tree = tree.with_radii(vec![0.2, 0.1, 0.05, 0.05]).unwrap();
+    let frame = Frame::default();
+    let sound = |read: Result<Trees, FormatError>| {
+        read.is_ok_and(|trees| trees.trees.iter().all(|tree| tree.check().is_ok()))
+    };
+    let mut file = Vec::new();
+    write_qsm(&tree, &frame, &mut file).unwrap();
+    run("QSM", &[file], |bytes| sound(read_qsm(&Frame::default(), bytes)));
+    let mut file = Vec::new();
+    write_swc(&tree, &frame, &mut file).unwrap();
+    run("SWC", &[file], |bytes| sound(read_swc(&Frame::default(), bytes)));
+    let mut file = Vec::new();
+    write_mtg(&tree, &frame, &mut file).unwrap();
+    run("MTG", &[file], |bytes| sound(read_mtg(&Frame::default(), bytes)));
+    let cloud = Cloud::new(nodes.to_vec()).unwrap();
+    let mut files = vec![Vec::new(); 4];
+    cloud.write_xyz(&frame, &mut files[0]).unwrap();
+    run("XYZ", &files[..1], |bytes| Cloud::read_xyz(&Frame::default(), bytes).is_ok());
+    for (file, encoding) in files[1..].iter_mut().zip([PlyEncoding::Text, PlyEncoding::Little, PlyEncoding::Big]) {
+        cloud.write_ply(&frame, encoding, file).unwrap();
+    }
+    run("PLY clouds", &files[1..], |bytes| Cloud::read_ply(&Frame::default(), bytes).is_ok());
+}

@@ -12,9 +12,9 @@ use glam::{DMat4, DQuat, DVec3};
 use self::buffer::Buffers;
 use self::document::{Document, Node, Primitive};
 use super::soup::Soup;
-use super::text::{BYTE_ORDER_MARK, quoted, stranger};
 use super::{MeshFormat, unreadable};
 use crate::shape::TriangleMeshError;
+use crate::text::{BYTE_ORDER_MARK, quoted, stranger};
 
 /// Instances and nodes that share a mesh may make more vertices and corners than the file has bytes; so many at most, or as
 /// many as the file has bytes.

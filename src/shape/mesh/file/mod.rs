@@ -6,7 +6,6 @@ mod ply;
 mod polygon;
 mod soup;
 mod stl;
-mod text;
 
 use std::fs::File;
 use std::io::{BufRead, BufReader, Read, Seek};

@@ -7,9 +7,9 @@ use std::io::BufRead;
 use glam::DVec3;
 
 use super::soup::Soup;
-use super::text::{Lines, number, quoted, stranger, words};
 use super::{MeshFormat, unreadable};
 use crate::shape::TriangleMeshError;
+use crate::text::{Lines, number, quoted, stranger, words};
 
 /// How many lines there were of each kind that faces name.
 #[derive(Default)]

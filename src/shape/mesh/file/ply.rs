@@ -3,23 +3,21 @@
 //! The positions of the vertices and the corners of the faces are read; every other element and property is passed over,
 //! of any name and value. No count in the header is believed: memory grows with what is there.
 
-mod header;
-mod values;
-
 use std::io::BufRead;
 
 use glam::DVec3;
 
-use self::header::{Element, Header, Kind};
-use self::values::Values;
 use super::soup::Soup;
 use super::{MeshFormat, unreadable};
+use crate::ply::{Element, Fault, Header, Kind, Values};
 use crate::shape::TriangleMeshError;
+
+const NEEDED: &str = "a solid needs vertex and face";
 
 pub(super) fn read(mut reader: impl BufRead, soup: &mut Soup) -> Result<(), TriangleMeshError> {
     let header = Header::read(&mut reader)?;
-    let vertex = header.element(b"vertex")?;
-    let face = header.element(b"face")?;
+    let vertex = header.element(b"vertex", NEEDED)?;
+    let face = header.element(b"face", NEEDED)?;
     let axes = [b"x", b"y", b"z"].map(|axis| vertex.property(&[axis]));
     let [Some(x), Some(y), Some(z)] = axes else {
         let problem = format!("vertex has {}, but must have x, y and z", vertex.names());
@@ -60,6 +58,12 @@ pub(super) fn read(mut reader: impl BufRead, soup: &mut Soup) -> Result<(), Tria
         return Err(fault(values.place_of(at), problem));
     }
     Ok(())
+}
+
+impl From<Fault> for TriangleMeshError {
+    fn from(fault: Fault) -> Self {
+        unreadable(MeshFormat::Ply, fault.place, fault.problem)
+    }
 }
 
 fn fault(place: impl std::fmt::Display, problem: impl std::fmt::Display) -> TriangleMeshError {

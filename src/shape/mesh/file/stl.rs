@@ -9,9 +9,9 @@ use std::io::{self, BufRead, BufReader, Read, Seek, SeekFrom};
 use glam::{DVec3, Vec3};
 
 use super::soup::Soup;
-use super::text::{BYTE_ORDER_MARK, Lines, number, quoted, stranger, words};
 use super::{MeshFormat, unreadable};
 use crate::shape::TriangleMeshError;
+use crate::text::{BYTE_ORDER_MARK, Lines, number, quoted, stranger, words};
 
 const HEADER: u64 = 84;
 const TRIANGLE: u64 = 50;

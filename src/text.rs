@@ -3,7 +3,7 @@
 use std::io::{self, BufRead};
 
 /// Lines of a reader: LF, CR LF or CR end a line, a byte order mark is passed over, and bytes need not be UTF-8.
-pub(super) struct Lines<R> {
+pub(crate) struct Lines<R> {
     reader: R,
     line: Vec<u8>,
     number: u64,
@@ -11,28 +11,29 @@ pub(super) struct Lines<R> {
 }
 
 impl<R: BufRead> Lines<R> {
-    pub(super) fn new(reader: R) -> Self {
+    pub(crate) fn new(reader: R) -> Self {
         Self { reader, line: Vec::new(), number: 0, after_cr: false }
     }
 
     /// The number of the latest line, from 1.
-    pub(super) fn number(&self) -> u64 {
+    pub(crate) fn number(&self) -> u64 {
         self.number
     }
 
     /// The latest line.
-    pub(super) fn line(&self) -> &[u8] {
+    pub(crate) fn line(&self) -> &[u8] {
         &self.line
     }
 
     /// Reads the next line; false at the end. Takes as much memory as the longest line.
-    pub(super) fn read(&mut self) -> io::Result<bool> {
+    pub(crate) fn read(&mut self) -> io::Result<bool> {
         self.line.clear();
         self.append()
     }
 
+    #[cfg(feature = "import")]
     /// Keeps so many bytes of the latest line and appends the next, after a space: what a backslash at its end asks for.
-    pub(super) fn join(&mut self, end: usize) -> io::Result<bool> {
+    pub(crate) fn join(&mut self, end: usize) -> io::Result<bool> {
         self.line.truncate(end);
         self.line.push(b' ');
         self.append()
@@ -75,21 +76,21 @@ impl<R: BufRead> Lines<R> {
 }
 
 /// What some editors begin UTF-8 with.
-pub(super) const BYTE_ORDER_MARK: &[u8] = b"\xEF\xBB\xBF";
+pub(crate) const BYTE_ORDER_MARK: &[u8] = b"\xEF\xBB\xBF";
 
 /// The words of a line; NUL counts as white space.
-pub(super) fn words(line: &[u8]) -> impl Iterator<Item = &[u8]> + Clone {
+pub(crate) fn words(line: &[u8]) -> impl Iterator<Item = &[u8]> + Clone {
     line.split(|&byte| byte.is_ascii_whitespace() || byte == 0 || byte == 0x0B)
         .filter(|word| !word.is_empty())
 }
 
 /// A number as C's `strtod` reads it in decimal.
-pub(super) fn number(word: &[u8]) -> Option<f64> {
+pub(crate) fn number(word: &[u8]) -> Option<f64> {
     std::str::from_utf8(word).ok()?.parse().ok()
 }
 
 /// Up to 40 characters of what was found, in quotes, for an error.
-pub(super) fn quoted(bytes: &[u8]) -> String {
+pub(crate) fn quoted(bytes: &[u8]) -> String {
     const MOST: usize = 40;
     let start = String::from_utf8_lossy(&bytes[..bytes.len().min(4 * MOST)]);
     let mut text: String = start.chars().take(MOST).collect();
@@ -100,7 +101,7 @@ pub(super) fn quoted(bytes: &[u8]) -> String {
 }
 
 /// What a file is that begins with these bytes, if it is nothing that these readers read.
-pub(super) fn stranger(start: &[u8]) -> Option<&'static str> {
+pub(crate) fn stranger(start: &[u8]) -> Option<&'static str> {
     let word = start.trim_ascii_start();
     let word = &word[..word.len().min(9)];
     let kinds: [(&[u8], &str); 8] = [

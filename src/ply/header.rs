@@ -2,13 +2,12 @@
 
 use std::io::{self, BufRead};
 
-use super::super::text::{BYTE_ORDER_MARK, number, quoted, stranger, words};
-use super::fault;
-use crate::shape::TriangleMeshError;
+use super::{Fault, fault};
+use crate::text::{BYTE_ORDER_MARK, number, quoted, stranger, words};
 
 /// How numbers stand in the file.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(in super::super) enum Encoding {
+pub(crate) enum Encoding {
     Text,
     Little,
     Big,
@@ -16,7 +15,7 @@ pub(in super::super) enum Encoding {
 
 /// A kind of number.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(in super::super) enum Scalar {
+pub(crate) enum Scalar {
     I8,
     U8,
     I16,
@@ -47,7 +46,7 @@ impl Scalar {
     }
 
     /// Bytes in a binary file.
-    pub(super) fn size(self) -> usize {
+    pub(crate) fn size(self) -> usize {
         match self {
             Self::I8 | Self::U8 => 1,
             Self::I16 | Self::U16 => 2,
@@ -59,38 +58,38 @@ impl Scalar {
 
 /// One number, or a list: the kind of its length, then of its items.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(in super::super) enum Kind {
+pub(crate) enum Kind {
     Scalar(Scalar),
     List(Scalar, Scalar),
 }
 
 #[derive(Debug)]
-pub(super) struct Property {
-    pub(super) name: Vec<u8>,
-    pub(super) kind: Kind,
+pub(crate) struct Property {
+    pub(crate) name: Vec<u8>,
+    pub(crate) kind: Kind,
 }
 
 #[derive(Debug)]
-pub(super) struct Element {
-    pub(super) name: Vec<u8>,
-    pub(super) count: u64,
-    pub(super) properties: Vec<Property>,
+pub(crate) struct Element {
+    pub(crate) name: Vec<u8>,
+    pub(crate) count: u64,
+    pub(crate) properties: Vec<Property>,
 }
 
 impl Element {
     /// The first property of one of these names, in capitals or not.
-    pub(super) fn property(&self, names: &[&[u8]]) -> Option<usize> {
+    pub(crate) fn property(&self, names: &[&[u8]]) -> Option<usize> {
         self.properties
             .iter()
             .position(|property| names.iter().any(|name| property.name.eq_ignore_ascii_case(name)))
     }
 
-    pub(super) fn names(&self) -> String {
+    pub(crate) fn names(&self) -> String {
         listed(self.properties.iter().map(|property| &property.name[..]))
     }
 
     /// Bytes of each in a binary file, if it has no lists.
-    pub(super) fn size(&self) -> Option<u64> {
+    pub(crate) fn size(&self) -> Option<u64> {
         self.properties
             .iter()
             .map(|property| match property.kind {
@@ -102,26 +101,26 @@ impl Element {
 }
 
 #[derive(Debug)]
-pub(super) struct Header {
-    pub(super) encoding: Encoding,
-    pub(super) elements: Vec<Element>,
+pub(crate) struct Header {
+    pub(crate) encoding: Encoding,
+    pub(crate) elements: Vec<Element>,
     /// Lines and bytes of the header.
-    pub(super) lines: u64,
-    pub(super) bytes: u64,
+    pub(crate) lines: u64,
+    pub(crate) bytes: u64,
 }
 
 impl Header {
-    /// The element of a name, in capitals or not.
-    pub(super) fn element(&self, name: &[u8]) -> Result<&Element, TriangleMeshError> {
+    /// The element of a name, in capitals or not; `needed` says what the file must have.
+    pub(crate) fn element(&self, name: &[u8], needed: &str) -> Result<&Element, Fault> {
         let found = self.elements.iter().find(|element| element.name.eq_ignore_ascii_case(name));
         found.ok_or_else(|| {
             let there = listed(self.elements.iter().map(|element| &element.name[..]));
             let name = String::from_utf8_lossy(name);
-            fault("header", format!("it has no element {name}, but {there}; a solid needs vertex and face"))
+            fault("header", format!("it has no element {name}, but {there}; {needed}"))
         })
     }
 
-    pub(super) fn read(reader: &mut impl BufRead) -> Result<Self, TriangleMeshError> {
+    pub(crate) fn read(reader: &mut impl BufRead) -> Result<Self, Fault> {
         let (mut lines, mut bytes) = (0, 0_u64);
         let (mut line, mut end) = (Vec::new(), b'\n');
         let mut encoding = None;
@@ -260,13 +259,13 @@ fn listed<'a>(names: impl Iterator<Item = &'a [u8]>) -> String {
 }
 
 /// A whole number that a text has, perhaps written as a fraction.
-pub(super) fn whole(word: &[u8]) -> Option<u64> {
+pub(crate) fn whole(word: &[u8]) -> Option<u64> {
     let plain = std::str::from_utf8(word).ok().and_then(|text| text.parse().ok());
     plain.or_else(|| number(word).and_then(whole_of))
 }
 
 /// A number without a fraction, from 0 to 2^53.
-pub(super) fn whole_of(value: f64) -> Option<u64> {
+pub(crate) fn whole_of(value: f64) -> Option<u64> {
     let holds = (0.0..9_007_199_254_740_992.0).contains(&value) && value.fract() == 0.0;
     holds.then_some(value as u64)
 }

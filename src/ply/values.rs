@@ -2,12 +2,11 @@
 
 use std::io::{self, BufRead, Read};
 
-use super::super::text::{Lines, number, quoted};
-use super::fault;
 use super::header::{Element, Encoding, Kind, Property, Scalar, whole, whole_of};
-use crate::shape::TriangleMeshError;
+use super::{Fault, fault};
+use crate::text::{Lines, number, quoted};
 
-pub(super) struct Values<R> {
+pub(crate) struct Values<R> {
     source: Source<R>,
     encoding: Encoding,
     /// Lines or bytes before.
@@ -24,7 +23,7 @@ enum Source<R> {
 }
 
 impl<R: BufRead> Values<R> {
-    pub(super) fn new(reader: R, encoding: Encoding, lines: u64, bytes: u64) -> Self {
+    pub(crate) fn new(reader: R, encoding: Encoding, lines: u64, bytes: u64) -> Self {
         match encoding {
             Encoding::Text => Self { source: Source::Text(Lines::new(reader), 0), encoding, before: lines },
             _ => Self { source: Source::Binary { reader, bytes: 0 }, encoding, before: bytes },
@@ -32,7 +31,7 @@ impl<R: BufRead> Values<R> {
     }
 
     /// The line or byte that is read.
-    pub(super) fn at(&self) -> u64 {
+    pub(crate) fn at(&self) -> u64 {
         match &self.source {
             Source::Text(lines, _) => self.before + lines.number(),
             Source::Binary { bytes, .. } => self.before + bytes,
@@ -40,17 +39,17 @@ impl<R: BufRead> Values<R> {
     }
 
     /// A line or byte in words.
-    pub(super) fn place_of(&self, at: u64) -> String {
+    pub(crate) fn place_of(&self, at: u64) -> String {
         format!("{} {at}", if self.encoding == Encoding::Text { "line" } else { "byte" })
     }
 
     /// Where reading is.
-    pub(super) fn place(&self) -> String {
+    pub(crate) fn place(&self) -> String {
         self.place_of(self.at())
     }
 
     /// Begins the next element; comments between the lines of a text are passed over.
-    pub(super) fn begin(&mut self, element: &Element, number: u64) -> Result<(), TriangleMeshError> {
+    pub(crate) fn begin(&mut self, element: &Element, number: u64) -> Result<(), Fault> {
         if element.properties.is_empty() {
             return Ok(());
         }
@@ -70,7 +69,7 @@ impl<R: BufRead> Values<R> {
         }
     }
 
-    fn cut(&self, at: Option<(&Element, u64)>) -> TriangleMeshError {
+    fn cut(&self, at: Option<(&Element, u64)>) -> Fault {
         let problem = match at {
             None => "the file ends within an element: it is cut short, or its header is wrong".into(),
             Some((element, number)) => format!(
@@ -83,7 +82,7 @@ impl<R: BufRead> Values<R> {
     }
 
     /// The next word of a text.
-    fn word(&mut self) -> Result<&[u8], TriangleMeshError> {
+    fn word(&mut self) -> Result<&[u8], Fault> {
         loop {
             let Source::Text(lines, at) = &mut self.source else { return Ok(&[]) };
             let blank = is_blank(&lines.line()[*at..]);
@@ -105,7 +104,7 @@ impl<R: BufRead> Values<R> {
         Ok(&line[start..end])
     }
 
-    fn bytes(&mut self, size: usize) -> Result<[u8; 8], TriangleMeshError> {
+    fn bytes(&mut self, size: usize) -> Result<[u8; 8], Fault> {
         let mut word = [0; 8];
         let Source::Binary { reader, bytes } = &mut self.source else { return Ok(word) };
         match reader.read_exact(&mut word[..size]) {
@@ -121,7 +120,7 @@ impl<R: BufRead> Values<R> {
     }
 
     /// A number of this kind.
-    pub(super) fn number(&mut self, scalar: Scalar) -> Result<f64, TriangleMeshError> {
+    pub(crate) fn number(&mut self, scalar: Scalar) -> Result<f64, Fault> {
         if self.encoding == Encoding::Text {
             let word = self.word()?;
             if let Some(value) = number(word) {
@@ -147,7 +146,7 @@ impl<R: BufRead> Values<R> {
     }
 
     /// A number of this kind that counts or names something.
-    pub(super) fn whole(&mut self, scalar: Scalar, what: &str) -> Result<u64, TriangleMeshError> {
+    pub(crate) fn whole(&mut self, scalar: Scalar, what: &str) -> Result<u64, Fault> {
         let (value, found) = if self.encoding == Encoding::Text {
             let word = self.word()?;
             let value = whole(word);
@@ -162,7 +161,7 @@ impl<R: BufRead> Values<R> {
     }
 
     /// Passes over numbers, whatever they are.
-    fn skip(&mut self, scalar: Scalar, count: u64) -> Result<(), TriangleMeshError> {
+    fn skip(&mut self, scalar: Scalar, count: u64) -> Result<(), Fault> {
         if let Source::Binary { reader, bytes } = &mut self.source {
             let length = (scalar.size() as u64).saturating_mul(count);
             let skipped = io::copy(&mut reader.take(length), &mut io::sink());
@@ -179,7 +178,7 @@ impl<R: BufRead> Values<R> {
         Ok(())
     }
 
-    pub(super) fn pass_property(&mut self, property: &Property) -> Result<(), TriangleMeshError> {
+    pub(crate) fn pass_property(&mut self, property: &Property) -> Result<(), Fault> {
         match property.kind {
             Kind::Scalar(scalar) if self.encoding != Encoding::Text => self.bytes(scalar.size()).map(drop),
             Kind::Scalar(scalar) => self.skip(scalar, 1),
@@ -191,7 +190,7 @@ impl<R: BufRead> Values<R> {
     }
 
     /// Passes over all of an element.
-    pub(super) fn pass(&mut self, element: &Element) -> Result<(), TriangleMeshError> {
+    pub(crate) fn pass(&mut self, element: &Element) -> Result<(), Fault> {
         if element.properties.is_empty() {
             return Ok(());
         }
