@@ -78,6 +78,15 @@ pub(super) struct Baked {
     pub(super) pixels: Vec<Pixel>,
 }
 
+impl Baked {
+    /// The picture with its cover multiplied.
+    pub(super) fn thickened(&self, thicker: f32) -> Self {
+        let mut baked = self.clone();
+        baked.pixels.iter_mut().for_each(|pixel| pixel.cover = (pixel.cover * thicker).min(1.0));
+        baked
+    }
+}
+
 /// The means over what covers a pixel.
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct Pixel {

@@ -1,6 +1,7 @@
 //! Bark and leaves together in ever fewer triangles.
 
-use super::builder::{Tree, check_side};
+use super::builder::check_side;
+use super::tree::Tree;
 use super::{Asset, AssetBuilder, AssetError};
 use crate::foliage::Leaves;
 use crate::{ParameterError, Skeleton};
@@ -18,7 +19,7 @@ impl AssetBuilder {
     /// Shares that are not 1 to 8 numbers in (0, 1], each less than the one before; otherwise as [`build`](Self::build). A
     /// last level that would be too small for the trunk is an error too.
     pub fn levels(&self, skeleton: &Skeleton, seed: u64, shares: &[f32]) -> Result<Vec<Asset>, AssetError> {
-        let leaves = match self.foliage() {
+        let leaves = match &self.foliage {
             Some(foliage) => vec![foliage.place(skeleton, seed)?],
             None => Vec::new(),
         };
@@ -42,9 +43,9 @@ impl AssetBuilder {
         ParameterError::unless(holds, "AssetBuilder.levels.shares", shares, range)?;
         let tree = Tree::new(self, skeleton, leaves)?;
         let dense = tree.dense_triangles();
-        let whole = self.triangles().unwrap_or(dense).min(dense);
+        let whole = self.triangles.unwrap_or(dense).min(dense);
         let (mut levels, mut grouping) = (Vec::<Asset>::new(), None);
-        let mut side = self.texture_size();
+        let mut side = self.texture_size;
         for share in shares {
             let mut most = (f64::from(*share) * whole as f64) as usize;
             if let Some(last) = levels.last() {
