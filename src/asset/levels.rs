@@ -11,8 +11,8 @@ impl AssetBuilder {
     /// [`Impostor`](super::Impostor) of the same leaves goes where they end.
     ///
     /// Every level has fewer triangles than the one before. Levels are nested: the bark of a level has branches of the finer
-    /// one only, and its cards stand for one or several cards of that, or for the leaves of one. Each level's images are half
-    /// as wide as those of the one before, 128 pixels at the least. A level is meant for pictures in which the tree is
+    /// one only, and its cards stand for one or several cards of that, or for the leaves of one. Each level's images are a
+    /// quarter as wide as those of the one before, 128 pixels at the least: a level is half as high on the screen, and has fewer cards. A level is meant for pictures in which the tree is
     /// [so many pixels](Asset::pixels) high. There are fewer levels if there is nothing left to drop.
     ///
     /// # Errors
@@ -59,7 +59,7 @@ impl AssetBuilder {
             let (asset, groups) = tree.level(most, side, grouping.as_ref())?;
             levels.push(asset);
             grouping = Some(groups);
-            side = (side / 2).max(128);
+            side = (side / 4).max(128);
         }
         Ok(levels)
     }

@@ -100,7 +100,7 @@ impl Near {
     fn new(image: &Image, uv: Vec2) -> Self {
         let (width, height) = (image.width(), image.height());
         let at = uv * Vec2::new(width as f32, height as f32) - Vec2::splat(0.5);
-        let low = at.floor();
+        let low = Vec2::new(math::floor(at.x), math::floor(at.y));
         let Vec2 { x, y } = at - low;
         let wrap = |i: f32, count: u32| {
             let whole = i as i64;

@@ -117,7 +117,7 @@ impl Near {
     #[inline]
     fn new(image: &Image, uv: Vec2) -> Self {
         let place = |u: f32, side: u32| {
-            let at = (u - floor(u)) * side as f32 + side as f32 - 0.5;
+            let at = (u - math::floor(u)) * side as f32 + side as f32 - 0.5;
             // From the last texel of the tile before to the last one of this: no division is needed.
             let whole = at as u32;
             let here = if whole >= side { whole - side } else { whole }.min(side - 1);
@@ -130,17 +130,6 @@ impl Near {
         let [upper, lower] = [upper, lower].map(|row| row * width);
         let starts = [upper + left, upper + right, lower + left, lower + right].map(|at| at * channels);
         Self { starts, across, down }
-    }
-}
-
-/// The same as [`f32::floor`], which is a call on processors that may be old.
-#[inline]
-fn floor(x: f32) -> f32 {
-    if x.abs() < 1e9 {
-        let whole = x as i32 as f32;
-        if whole > x { whole - 1.0 } else { whole }
-    } else {
-        x.floor()
     }
 }
 
@@ -372,7 +361,7 @@ mod tests {
             for level in 0..=map.smaller.len() {
                 assert!((map.bilinear(level, uv, &tables).w - map.alpha(level, uv)).abs() < 1e-6);
             }
-            assert_eq!(floor(uv.x).to_bits(), (uv.x.floor() + 0.0).to_bits());
+            assert_eq!(math::floor(uv.x).to_bits(), (uv.x.floor() + 0.0).to_bits());
         }
         for odd in [f32::NAN, f32::INFINITY, 1e30, -1e30] {
             assert!(map.alpha(0, Vec2::splat(odd)).is_finite() || odd.is_nan() || odd.is_infinite());
