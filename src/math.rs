@@ -81,6 +81,18 @@ pub fn linear(encoded: f32) -> f32 {
     if encoded <= 0.04045 { encoded / 12.92 } else { powf((encoded + 0.055) / 1.055, 2.4) }
 }
 
+/// The same as [`f32::floor`], without the call that processors without SSE 4.1 need; minus zero may become zero.
+#[cfg(feature = "texture")]
+#[inline]
+pub(crate) fn floor(x: f32) -> f32 {
+    if x.abs() < 1e9 {
+        let whole = x as i32 as f32;
+        if whole > x { whole - 1.0 } else { whole }
+    } else {
+        x.floor()
+    }
+}
+
 /// A quaternion's rotation at length 1, term by term: glam's own sums take other steps on other processors.
 pub fn unit_rotation(rotation: Quat) -> Quat {
     let [x, y, z, w] = rotation.to_array();

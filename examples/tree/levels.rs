@@ -6,10 +6,12 @@ use treesynth::Skeleton;
 use treesynth::asset::{Asset, AssetBuilder, Impostor};
 use treesynth::foliage::{Foliage, Leaves};
 use treesynth::presets::Preset;
-use treesynth::surface::{Implicit, Material, Mesh, Part, Sway, Tubes};
+use treesynth::surface::{Implicit, Mesh, Part, Sway, Tubes};
 
 /// Triangles of each level over those of the one before.
 const SHARE: f32 = 0.3;
+/// Each level is shown down to this part of the size of the one before at the most.
+const SMALLER: f32 = 0.7;
 /// Lines of a screen, for which a level's size is told in parts of its height.
 const LINES: f32 = 1080.0;
 
@@ -51,7 +53,8 @@ impl Model {
             .collect();
         let mut levels = builder.levels_with(skeleton, leaves.as_slice(), &shares)?;
         if options.levels > 1 {
-            let side = options.textures.unwrap_or(512).clamp(128, 512);
+            // It is for trees that are less high than this many pixels.
+            let side = options.textures.unwrap_or(512).clamp(128, 256);
             levels.push(Impostor::default().with_texture_size(side).billboards(&levels[0].parts())?);
         }
         if options.wind {
@@ -75,10 +78,18 @@ impl Model {
     /// Down to which part of the screen's height each level of a tree of this height is shown, if they can be told apart.
     pub(crate) fn coverages(&self, height: f32) -> Vec<f32> {
         let Self::Levels(levels) = self else { return Vec::new() };
-        let next = levels.iter().skip(1).map(|level| (level.pixels(height) / LINES).min(1.0));
-        let coverages: Vec<f32> = next.chain([0.0]).collect();
-        let falling = coverages.is_sorted_by(|a, b| a > b);
-        if falling && levels.len() > 1 { coverages } else { Vec::new() }
+        if levels.len() < 2 {
+            return Vec::new();
+        }
+        let mut last = 1.0 / SMALLER;
+        let mut coverages = Vec::new();
+        for next in &levels[1..] {
+            // The impostor would do for larger trees, but has fewer leaves to show.
+            last = (next.pixels(height) / LINES).min(last * SMALLER);
+            coverages.push(last);
+        }
+        coverages.push(0.0);
+        coverages
     }
 }
 

@@ -43,7 +43,7 @@ impl Grid {
     }
 }
 
-/// An atlas of pictures, each of the inner size of a cell, their colours multiplied by `gain`.
+/// An atlas of pictures, each of the inner size of a cell, their colours multiplied by `gain`. Cells have at least two pixels a side.
 pub(super) fn textures(
     grid: Grid,
     cells: &[Baked],
@@ -55,27 +55,31 @@ pub(super) fn textures(
     let tones = Tones::new();
     let mut color = vec![0; width * height * 4];
     let mut normal = [128u8, 128, 255].repeat(width * height);
-    let mut transmission = vec![0; width * height * 3];
+    // Light from behind is soft: half as many pixels each way are enough.
+    let (wide, high) = (width / 2, height / 2);
+    let mut glow = vec![0.0f32; wide * high * 3];
     for (number, baked) in cells.iter().enumerate() {
         let filled = bled(&framed(baked, cell), cell);
         let (left, top) = (number % columns * cell, number / columns * cell);
         for (i, pixel) in filled.iter().enumerate() {
             let at = (top + i / cell) * width + left + i % cell;
+            let behind = ((top + i / cell) / 2 * wide + (left + i % cell) / 2) * 3;
             let through = through(pixel.layers);
             for channel in 0..3 {
                 let tone = pixel.color[channel] * gain[channel];
                 color[at * 4 + channel] = tones.of(tone);
-                transmission[at * 3 + channel] = tones.of(tone * GLOW[channel] * through);
+                glow[behind + channel] += 0.25 * tone * GLOW[channel] * through;
                 normal[at * 3 + channel] = (pixel.normal[channel] * 127.5 + 128.0) as u8;
             }
             color[at * 4 + 3] = (pixel.cover * 255.0 + 0.5) as u8;
         }
     }
+    let transmission = glow.into_iter().map(|channel| tones.of(channel)).collect();
     let (width, height) = (width as u32, height as u32);
     let textures = Textures::default()
         .with_base_color(Image::new(width, height, 4, color)?)
         .with_normal(Image::new(width, height, 3, normal)?)
-        .with_transmission(Image::new(width, height, 3, transmission)?);
+        .with_transmission(Image::new(wide as u32, high as u32, 3, transmission)?);
     Ok(match cutoff {
         Some(cutoff) => textures.with_alpha_cutoff(cutoff),
         None => textures,

@@ -78,6 +78,15 @@ pub(super) struct Baked {
     pub(super) pixels: Vec<Pixel>,
 }
 
+impl Baked {
+    /// The picture with its cover multiplied.
+    pub(super) fn thickened(&self, thicker: f32) -> Self {
+        let mut baked = self.clone();
+        baked.pixels.iter_mut().for_each(|pixel| pixel.cover = (pixel.cover * thicker).min(1.0));
+        baked
+    }
+}
+
 /// The means over what covers a pixel.
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct Pixel {
@@ -90,12 +99,11 @@ pub(super) struct Pixel {
     pub(super) layers: f32,
 }
 
-/// A corner in samples from the upper left, its depth, and its normal in the view's frame.
+/// A corner in samples from the upper left, and its depth.
 #[derive(Debug, Clone, Copy)]
 struct Corner {
     at: Vec2,
     depth: f32,
-    normal: Vec3,
 }
 
 /// Points of a picture: 32 bytes each.
@@ -122,13 +130,11 @@ impl Raster {
             let scaled = turned * copy.scale;
             let offset = matrix * (copy.position - self.view.center);
             corners.clear();
-            corners.extend(drawn.mesh.positions.iter().zip(&drawn.mesh.normals).map(
-                |(&position, &normal)| {
-                    let seen = scaled * position + offset;
-                    let at = Vec2::new(seen.x, -seen.y) * scale + size * 0.5;
-                    Corner { at, depth: seen.z, normal: turned * normal }
-                },
-            ));
+            corners.extend(drawn.mesh.positions.iter().map(|&position| {
+                let seen = scaled * position + offset;
+                let at = Vec2::new(seen.x, -seen.y) * scale + size * 0.5;
+                Corner { at, depth: seen.z }
+            }));
             let tint = [0, 1, 2].map(|i| drawn.color[i] * copy.tint[i]);
             for triangle in drawn.mesh.triangles() {
                 self.triangle(drawn, &corners, triangle, tint, turned);
@@ -186,7 +192,9 @@ impl Raster {
                     continue;
                 }
                 sample.depth = depth;
-                let mut normal = a.normal * u + b.normal * v + c.normal * w;
+                // Most triangles of a dense model hide no point: only those that do need normals.
+                let [of_a, of_b, of_c] = triangle.map(|corner| turned * drawn.mesh.normals[corner as usize]);
+                let mut normal = of_a * u + of_b * v + of_c * w;
                 sample.color = tint;
                 if !drawn.mesh.colors.is_empty() {
                     let [a, b, c] = triangle.map(|corner| drawn.mesh.colors[corner as usize]);

@@ -1,59 +1,38 @@
 //! A tree in leaf within a budget of triangles.
 
-use super::atlas::{self, Grid};
-use super::card::{self, Kind, Source};
-use super::cluster::{self, Cluster, Leaf};
-use super::leaf::Dress;
-use super::measure::{Frame, Tally, draw, drawn, lit, skins};
-use super::tangents::with_tangents;
+use super::tree::Tree;
 use super::young::{self, Young};
 use super::{Asset, AssetError, Piece};
 use crate::foliage::{Foliage, Leaves};
-use crate::random::{self, Purpose};
-use crate::surface::{Instance, Material, Mesh, Part, SurfaceError, Tubes};
+use crate::surface::{Material, Tubes};
 use crate::texture::{Bark, Image, Textures};
-use crate::{ParameterError, Skeleton, parallel};
-use glam::Vec3;
-use std::f32::consts::TAU;
+use crate::{ParameterError, Skeleton};
 use std::sync::Arc;
-
-/// Leaves that one card stands for at the least, at their mean size.
-const FEWEST: f32 = 6.0;
-/// Images of one leaf.
-const VARIANTS: u32 = 4;
-/// The least and the greatest height of the pictures in which cover and colour are measured, pixels.
-const MEASURED: (f32, f32) = (48.0, 240.0);
-/// Points along each side of one.
-const POINTS: usize = super::measure::SAMPLES;
-/// Directions from which they are measured: turned about the vertical, lifted.
-const VIEWS: [(f32, f32); 3] = [(0.2, 0.1), (0.2 + TAU / 3.0, 0.1), (0.2 + 2.0 * TAU / 3.0, 0.1)];
-/// By how much cards may be smaller or larger than the twigs they stand for.
-const LARGER: (f32, f32) = (0.6, 1.8);
-/// By how much the colours of cards may be changed.
-const GAIN: (f32, f32) = (0.6, 1.6);
 
 /// Makes [`Asset`]s: a tree's bark and leaves within a budget of triangles.
 #[must_use]
 #[derive(Debug, Clone)]
 pub struct AssetBuilder {
-    bark: Material,
-    bark_textures: Option<Arc<Textures>>,
+    pub(super) bark: Material,
+    pub(super) bark_textures: Option<Arc<Textures>>,
     young: Option<Young>,
-    twigs: Option<Material>,
-    tubes: Tubes,
+    pub(super) twigs: Option<Material>,
+    pub(super) tubes: Tubes,
     /// Whether vertices have wind only to tell their nodes.
     still: bool,
-    foliage: Option<Foliage>,
-    triangles: Option<usize>,
-    bark_share: f32,
-    kinds: u32,
-    texture_size: u32,
-    leaf_size: Option<u32>,
+    pub(super) foliage: Option<Foliage>,
+    pub(super) triangles: Option<usize>,
+    pub(super) bark_share: f32,
+    pub(super) kinds: u32,
+    pub(super) texture_size: u32,
+    pub(super) leaf_size: Option<u32>,
+    pub(super) canopy_shade: f32,
+    pub(super) bent_normals: f32,
 }
 
 impl Default for AssetBuilder {
     /// 10,000 triangles, of which bark gets at most 35%; the default bark without images; no leaves; 8 kinds of cards in
-    /// images of 1024 x 1024 pixels.
+    /// images of 1024 x 1024 pixels; half the crown's shade, normals bent half-way.
     fn default() -> Self {
         Self {
             bark: Material::bark(),
@@ -68,6 +47,8 @@ impl Default for AssetBuilder {
             kinds: 8,
             texture_size: 1024,
             leaf_size: Some(128),
+            canopy_shade: 0.5,
+            bent_normals: 0.5,
         }
     }
 }
@@ -172,8 +153,26 @@ impl AssetBuilder {
         self
     }
 
+    /// How much darker leaves and bark are deep in the crown, 0 (not at all) to 1; default 0.5. Leaves by their tints, as
+    /// [`Leaves::shaded`]; cards and impostors have it from them; bark in its [colours](crate::surface::Mesh::colors), which are there only
+    /// with leaves. It is occlusion of the sky, the same in every level.
+    pub fn with_canopy_shade(mut self, strength: f32) -> Self {
+        self.canopy_shade = strength;
+        self
+    }
+
+    /// How far the normals of leaves and cards are bent outwards by the crown, 0 (they are not) to 1; default 0.5. Light falls on the
+    /// crown as on a round body then, and no back is black: see [`bend_normals`](crate::foliage::bend_normals).
+    ///
+    /// Copies with normals of their own become one mesh, without instances; without a budget, of a dense model, they
+    /// are left as they are.
+    pub fn with_bent_normals(mut self, share: f32) -> Self {
+        self.bent_normals = share;
+        self
+    }
+
     /// The wood on cards, which has no images.
-    fn wood(&self) -> Material {
+    pub(super) fn wood(&self) -> Material {
         if let Some(twigs) = self.twigs {
             return twigs;
         }
@@ -218,6 +217,12 @@ impl AssetBuilder {
             "0.05 to 0.95",
         )?;
         ParameterError::unless((1..=16).contains(&self.kinds), "AssetBuilder.kinds", self.kinds, "1 to 16")?;
+        for (name, share) in [
+            ("AssetBuilder.canopy_shade", self.canopy_shade),
+            ("AssetBuilder.bent_normals", self.bent_normals),
+        ] {
+            ParameterError::unless((0.0..=1.0).contains(&share), name, share, "0 to 1")?;
+        }
         check_side("AssetBuilder.texture_size", self.texture_size)?;
         if let Some(textures) = &self.bark_textures {
             textures.check()?;
@@ -239,14 +244,6 @@ impl AssetBuilder {
         Ok(())
     }
 
-    pub(super) fn triangles(&self) -> Option<usize> {
-        self.triangles
-    }
-
-    pub(super) fn texture_size(&self) -> u32 {
-        self.texture_size
-    }
-
     /// Takes thin wood out of the bark, and from both the wind that nobody asked for.
     pub(super) fn split(&self, bark: &mut Piece, skeleton: &Skeleton) -> Option<Piece> {
         let mut young = self.young.as_ref()?.split(bark, skeleton, self.tubes.has_even_texels());
@@ -256,370 +253,10 @@ impl AssetBuilder {
         }
         Some(young)
     }
-
-    pub(super) fn foliage(&self) -> Option<&Foliage> {
-        self.foliage.as_ref()
-    }
 }
 
 /// Sides of images that are baked.
 pub(super) fn check_side(name: &str, side: u32) -> Result<(), ParameterError> {
     let holds = side.is_power_of_two() && (128..=Image::LONGEST_SIDE).contains(&side);
     ParameterError::unless(holds, name, side, "a power of two, 128 to 8192 pixels")
-}
-
-/// All that the levels of one tree share.
-pub(super) struct Tree<'a> {
-    builder: &'a AssetBuilder,
-    skeleton: &'a Skeleton,
-    dresses: Vec<Dress>,
-    all: Vec<Leaf>,
-    /// The bark of the dense model.
-    pub(super) bark: Mesh,
-    /// Triangles of all leaves.
-    leaf_triangles: usize,
-}
-
-/// What the dense model looks like.
-struct Reference {
-    frame: Frame,
-    tally: Tally,
-}
-
-/// Leaves in groups: the lowest node of each, and each leaf's group.
-pub(super) struct Grouping {
-    roots: Vec<u32>,
-    of: Vec<u32>,
-}
-
-impl<'a> Tree<'a> {
-    pub(super) fn new(
-        builder: &'a AssetBuilder,
-        skeleton: &'a Skeleton,
-        leaves: &'a [Leaves],
-    ) -> Result<Self, AssetError> {
-        builder.check()?;
-        let copies = || leaves.iter().flat_map(|leaves| &leaves.instances);
-        if let Some(copy) = copies().find(|copy| copy.node as usize >= skeleton.len()) {
-            let range = format!("less than {}, the nodes of the skeleton", skeleton.len());
-            return Err(ParameterError::new("Instance.node", copy.node, range).into());
-        }
-        for leaves in leaves {
-            leaves.part().check::<AssetError>()?;
-        }
-        let bark = match builder.tubes.mesh(skeleton) {
-            Ok(mesh) => mesh,
-            // A tree whose wood is not thick at all still has leaves.
-            Err(SurfaceError::NoRadii { .. }) if copies().next().is_some() => Mesh::default(),
-            Err(error) => return Err(error.into()),
-        };
-        let mut dresses = Vec::new();
-        let mut firsts = Vec::new();
-        for leaves in leaves {
-            let of_leaf = Dress::of(&leaves.leaf, builder.leaf_size, VARIANTS)?;
-            firsts.push((dresses.len(), of_leaf.len()));
-            dresses.extend(of_leaf);
-        }
-        let variant = |count: usize, leaf: usize| {
-            (random::unit(0, 4, Purpose::CARDS, leaf as u64) * count as f32) as usize
-        };
-        let all = Leaf::all(leaves, |number, leaf| {
-            let (first, count) = firsts[number];
-            (first + variant(count, leaf)) as u32
-        });
-        let leaf_triangles = leaves.iter().map(|leaves| leaves.part().triangles() as usize).sum();
-        Ok(Self { builder, skeleton, dresses, all, bark, leaf_triangles })
-    }
-
-    pub(super) fn dense_triangles(&self) -> usize {
-        self.bark.triangles().len() + self.leaf_triangles
-    }
-
-    /// The dense model.
-    pub(super) fn dense(&self) -> Asset {
-        let whole = (0..self.all.len()).collect::<Vec<_>>();
-        self.assemble(self.bark.clone(), 0.0, &whole, Vec::new(), None)
-    }
-
-    /// What the dense model looks like in pictures of so many pixels' height.
-    fn look_at_it(&self, pixels: usize) -> Result<Option<Reference>, AssetError> {
-        let dense = self.dense();
-        let parts = dense.parts();
-        let frame = match Frame::of(&parts, pixels) {
-            Ok(frame) => frame,
-            Err(AssetError::Nothing) => return Ok(None),
-            Err(error) => return Err(error),
-        };
-        Ok(Some(Reference { frame, tally: tally(&parts, frame) }))
-    }
-
-    /// One level: the asset within so many triangles, and its groups of leaves, made of those of a finer one.
-    pub(super) fn level(
-        &self,
-        triangles: Option<usize>,
-        side: u32,
-        finer: Option<&Grouping>,
-    ) -> Result<(Asset, Grouping), AssetError> {
-        let dense = self.dense_triangles();
-        let most = triangles.unwrap_or(dense).min(dense);
-        if most == dense {
-            return Ok((self.dense(), self.regroup(usize::MAX, finer)?));
-        }
-        let (bark, error, kept) = self.bark_within(most)?;
-        let room = most - bark.triangles().len();
-        if self.leaf_triangles <= room {
-            let whole = (0..self.all.len()).collect::<Vec<_>>();
-            let asset = self.assemble(bark, error, &whole, Vec::new(), None);
-            return Ok((asset, self.regroup(usize::MAX, finer)?));
-        }
-        let grouping = self.regroup(room / card::TRIANGLES, finer)?;
-        let clusters = Cluster::all(self.skeleton, &self.all, &grouping.roots, &grouping.of);
-        let (whole, carded) = self.share(&clusters, room);
-        let (bare, cluster_of) = (self.bare(&kept), self.cluster_of(&grouping.roots));
-        let source = Source {
-            skeleton: self.skeleton,
-            dresses: &self.dresses,
-            all: &self.all,
-            bark: self.builder.wood(),
-            bare: &bare,
-            cluster_of: &cluster_of,
-        };
-        let chosen: Vec<Cluster> = carded.iter().map(|&i| clusters[i].clone()).collect();
-        let (kind_of, models) = cluster::kinds(&chosen, self.builder.kinds as usize);
-        let mut grid = Grid::of(2 * models.len(), 1);
-        grid.cell = (side as usize / grid.columns.max(grid.rows)).max(4 * atlas::PADDING);
-        let models: Vec<(u32, &Cluster)> =
-            models.iter().map(|&i| (carded[i as usize] as u32, &chosen[i as usize])).collect();
-        let kinds = source.kinds(&models, grid);
-        let whole: Vec<usize> =
-            whole.iter().flat_map(|&i| clusters[i].leaves.iter().map(|&leaf| leaf as usize)).collect();
-        let asset = self.fit(bark, error, &whole, &chosen, &kind_of, &kinds, grid)?;
-        Ok((asset, grouping))
-    }
-
-    /// Cards as large as keeps the crown's cover, in colours that keep its mean.
-    #[expect(clippy::too_many_arguments, reason = "called once")]
-    fn fit(
-        &self,
-        bark: Mesh,
-        error: f32,
-        whole: &[usize],
-        clusters: &[Cluster],
-        kind_of: &[u32],
-        kinds: &[Kind],
-        grid: Grid,
-    ) -> Result<Asset, AssetError> {
-        let pictures: Vec<_> = kinds.iter().flat_map(|kind| kind.pictures.iter().cloned()).collect();
-        let cards = |larger: f32| {
-            let mut copies = vec![Vec::new(); kinds.len()];
-            for (cluster, &kind) in clusters.iter().zip(kind_of) {
-                copies[kind as usize].push(card::instance(cluster, &kinds[kind as usize], larger));
-            }
-            copies
-        };
-        let meshes: Vec<Mesh> = kinds.iter().map(|kind| kind.mesh.clone()).collect();
-        let with = |asset: &mut Asset, larger: f32| {
-            for (piece, copies) in asset.cards.iter_mut().zip(cards(larger)) {
-                piece.instances = copies;
-            }
-        };
-        let textures = atlas::textures(grid, &pictures, [1.0; 3], Some(atlas::CUTOFF))?;
-        let mut asset = self.assemble(bark, error, whole, meshes, Some(textures));
-        with(&mut asset, 1.0);
-        // The size at which it is to be used: there the error of the bark is a pixel.
-        let height = self.bark.bounds().map_or(0.0, |bounds| bounds.size().y);
-        let pixels = (height / error.max(1e-9)).clamp(MEASURED.0, MEASURED.1) as usize;
-        let Some(reference) = self.look_at_it(pixels)? else { return Ok(asset) };
-        let wanted = reference.tally.cover;
-        let measured = |asset: &Asset| tally(&asset.parts(), reference.frame);
-        let (mut low, mut high) = LARGER;
-        let mut larger = 1.0f32;
-        let mut now = measured(&asset);
-        for _ in 0..6 {
-            let off = now.cover / wanted - 1.0;
-            if off.abs() < 0.004 {
-                break;
-            }
-            if off > 0.0 {
-                high = larger;
-            } else {
-                low = larger;
-            }
-            // Cover grows about as the size does, for cards hide each other.
-            let next = larger * (1.0 - off as f32);
-            larger = if next > low && next < high { next } else { 0.5 * (low + high) };
-            with(&mut asset, larger);
-            now = measured(&asset);
-        }
-        // What is to be changed is only the colour of the cards; bark has its own already.
-        let (now, wanted) = (now.color(), reference.tally.color());
-        let gain = [0, 1, 2].map(|i| (wanted[i] / now[i].max(1e-6)).clamp(GAIN.0, GAIN.1));
-        let textures = Arc::new(atlas::textures(grid, &pictures, gain, Some(atlas::CUTOFF))?);
-        asset.cards.iter_mut().for_each(|piece| piece.textures = Some(Arc::clone(&textures)));
-        Ok(asset)
-    }
-
-    /// Bark of at most its share of so many triangles, its error, and for each branch whether it is there.
-    fn bark_within(&self, most: usize) -> Result<(Mesh, f32, Vec<bool>), AssetError> {
-        let branches = self.skeleton.branches().len();
-        if self.bark.is_empty() {
-            return Ok((Mesh::default(), 0.0, vec![false; branches]));
-        }
-        let has_leaves = self.leaf_triangles > 0;
-        // What leaves do not need is the bark's.
-        let spare = most.saturating_sub(self.leaf_triangles);
-        let share = if has_leaves { (most as f32 * self.builder.bark_share) as usize } else { most };
-        let card = if has_leaves { card::TRIANGLES } else { 0 };
-        let share = share.max(spare).min(most.saturating_sub(card));
-        if self.bark.triangles().len() <= share {
-            return Ok((self.bark.clone(), 0.0, vec![true; branches]));
-        }
-        let tubes = &self.builder.tubes;
-        let within = match tubes.within_keeping(self.skeleton, share) {
-            Err(SurfaceError::TooFewTriangles { least, .. }) if least + card <= most => {
-                tubes.within_keeping(self.skeleton, least)
-            }
-            Err(SurfaceError::TooFewTriangles { least, .. }) => {
-                return Err(AssetError::TooFewTriangles { triangles: most, least: least + card });
-            }
-            other => other,
-        };
-        let (level, kept) = within?;
-        Ok((level.mesh, level.error, kept))
-    }
-
-    /// Groups of leaves for at most so many cards, of leaves or of the groups of a finer level.
-    fn regroup(&self, most: usize, finer: Option<&Grouping>) -> Result<Grouping, AssetError> {
-        let area: f32 = self.all.iter().map(|leaf| leaf.area).sum();
-        let least = FEWEST * area / self.all.len().max(1) as f32;
-        if self.all.is_empty() {
-            return Ok(Grouping { roots: Vec::new(), of: Vec::new() });
-        }
-        let Some(finer) = finer else {
-            let weights: Vec<_> = self.all.iter().map(|leaf| (leaf.copy.node, leaf.area)).collect();
-            let (roots, of) =
-                cluster::group(self.skeleton, &weights, most, least).ok_or(AssetError::Nothing)?;
-            return Ok(Grouping { roots, of });
-        };
-        let mut weights: Vec<(u32, f32)> = finer.roots.iter().map(|&root| (root, 0.0)).collect();
-        for (leaf, &group) in self.all.iter().zip(&finer.of) {
-            weights[group as usize].1 += leaf.area;
-        }
-        let (roots, groups) =
-            cluster::group(self.skeleton, &weights, most, least).ok_or(AssetError::Nothing)?;
-        let of = finer.of.iter().map(|&group| groups[group as usize]).collect();
-        Ok(Grouping { roots, of })
-    }
-
-    /// Which clusters are shown leaf by leaf, and which as cards: first come those farthest out, whose leaves make the
-    /// crown's outline.
-    fn share(&self, clusters: &[Cluster], room: usize) -> (Vec<usize>, Vec<usize>) {
-        let bounds = crate::Bounds::of(clusters.iter().map(|cluster| cluster.middle));
-        let half = (bounds.size() * 0.5).max(Vec3::splat(1e-6));
-        let out: Vec<f32> = clusters
-            .iter()
-            .map(|cluster| ((cluster.middle - bounds.center()) / half).length_squared())
-            .collect();
-        let mut order: Vec<usize> = (0..clusters.len()).collect();
-        order.sort_by(|&i, &j| out[j].total_cmp(&out[i]).then(i.cmp(&j)));
-        let mut left = room - clusters.len() * card::TRIANGLES;
-        let mut whole = 0;
-        for &i in &order {
-            let cost: usize = clusters[i]
-                .leaves
-                .iter()
-                .map(|&leaf| self.dresses[self.all[leaf as usize].dress as usize].mesh.triangles().len())
-                .sum();
-            let more = cost.saturating_sub(card::TRIANGLES);
-            if more > left {
-                break;
-            }
-            left -= more;
-            whole += 1;
-        }
-        let mut cards = order.split_off(whole);
-        order.sort_unstable();
-        cards.sort_unstable();
-        (order, cards)
-    }
-
-    /// For each node whether no bark is about its internode.
-    fn bare(&self, kept: &[bool]) -> Vec<bool> {
-        let mut bare = vec![false; self.skeleton.len()];
-        for (branch, kept) in self.skeleton.branches().iter().zip(kept) {
-            branch.nodes().iter().skip(1).for_each(|&node| bare[node as usize] = !kept);
-        }
-        bare
-    }
-
-    /// For each node the number of the group that it is in.
-    fn cluster_of(&self, roots: &[u32]) -> Vec<u32> {
-        let mut of = vec![u32::MAX; self.skeleton.len()];
-        for (number, &root) in roots.iter().enumerate() {
-            of[root as usize] = number as u32;
-        }
-        for (node, parent) in self.skeleton.edges() {
-            if of[node] == u32::MAX {
-                of[node] = of[parent];
-            }
-        }
-        of
-    }
-
-    /// The asset of this bark, these leaves whole, and cards of these meshes that stand nowhere yet.
-    fn assemble(
-        &self,
-        bark: Mesh,
-        error: f32,
-        whole: &[usize],
-        cards: Vec<Mesh>,
-        textures: Option<Textures>,
-    ) -> Asset {
-        let mut instances: Vec<Vec<Instance>> = vec![Vec::new(); self.dresses.len()];
-        for &leaf in whole {
-            instances[self.all[leaf].dress as usize].push(self.all[leaf].copy);
-        }
-        let leaves = self.dresses.iter().zip(instances).filter(|(_, instances)| !instances.is_empty());
-        let leaves = leaves.map(|(dress, instances)| Piece {
-            name: "leaves",
-            mesh: with_tangents(dress.mesh.clone(), dress.textures.as_deref()),
-            material: dress.material,
-            textures: dress.textures.clone(),
-            instances,
-        });
-        // Materials are multiplied with the images, which have all the colour.
-        let material = Material::leaf().with_color([1.0; 3]);
-        let textures = textures.map(Arc::new);
-        let cards = cards.into_iter().map(|mesh| Piece {
-            name: "cards",
-            mesh,
-            material,
-            textures: textures.clone(),
-            instances: Vec::new(),
-        });
-        let mut bark = Piece {
-            name: "bark",
-            mesh: bark,
-            material: self.builder.bark,
-            textures: self.builder.bark_textures.clone(),
-            instances: vec![Instance::IDENTITY],
-        };
-        let young = self.builder.split(&mut bark, self.skeleton);
-        Asset { bark, young, coats: Vec::new(), leaves: leaves.collect(), cards: cards.collect(), error }
-    }
-}
-
-/// Cover and colour of a model from all directions in which it is measured.
-fn tally(parts: &[Part<'_>], frame: Frame) -> Tally {
-    let skins = skins(parts);
-    let drawn = drawn(parts, &skins);
-    let each = parallel::map(VIEWS.len(), |i| {
-        let (yaw, lift) = VIEWS[i];
-        Tally::of(&draw(&drawn, frame.view(yaw, lift), frame.width, frame.height, POINTS).finish(lit))
-    });
-    let mut sum = Tally::default();
-    for tally in &each {
-        sum.add(tally);
-    }
-    sum
 }

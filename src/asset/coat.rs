@@ -50,6 +50,7 @@ impl Asset {
                 material: Material::white().with_roughness(1.0),
                 textures: Some(Arc::clone(&textures)),
                 instances: vec![Instance::IDENTITY],
+                bent: None,
             });
         }
         asset.coats.extend(coats);

@@ -3,6 +3,7 @@
 use super::atlas::{self, Grid, PADDING};
 use super::bake::{Baked, Pixel, View};
 use super::builder::check_side;
+use super::fit::THICKER;
 use super::measure::{Frame, Tally, bounds, draw, drawn, lit, reach, skins};
 use super::{Asset, AssetError, Piece};
 use crate::surface::{Instance, Material, Mesh, Part};
@@ -14,8 +15,6 @@ use std::sync::Arc;
 
 /// Points along each side of a baked pixel.
 const SAMPLES: usize = 3;
-/// The least and the greatest factor of alpha that makes up for pictures that stand across each other.
-const THICKER: (f32, f32) = (0.2, 4.0);
 
 /// Bakes a tree into pictures, for where it is small.
 ///
@@ -26,7 +25,7 @@ const THICKER: (f32, f32) = (0.2, 4.0);
 /// let tree = presets::by_name("figure-06b").unwrap().synth(2000).synthesize(1)?;
 /// let dense = AssetBuilder::default().with_triangles(None).build(&tree, 1)?;
 /// let far = Impostor::default().with_texture_size(256).billboards(&dense.parts())?;
-/// assert_eq!(far.triangles(), 6);
+/// assert_eq!(far.triangles(), 12);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[must_use]
@@ -80,7 +79,7 @@ impl Impostor {
         ParameterError::unless(cell >= 16, "Impostor.grid", self.grid, range)
     }
 
-    /// Crossed billboards, which every engine shows: a part `impostor` with two triangles a picture, from both sides the same.
+    /// Crossed billboards, which every engine shows: a part `impostor` with four triangles a picture, two for each side.
     /// Their alpha is scaled so that the covered area, on the average of several views, is that of the model.
     ///
     /// # Errors
@@ -114,22 +113,29 @@ impl Impostor {
         for (number, view) in views.iter().enumerate() {
             let first = mesh.positions.len() as u32;
             let ([u, v], [wide, high]) = grid.inner(number);
-            for (sx, sy) in [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)] {
-                mesh.positions
-                    .push(view.center + view.right * (view.half.x * sx) + view.up * (view.half.y * sy));
-                mesh.normals.push(view.toward);
-                mesh.tangents.push(Vec4::from((view.right, 1.0)));
-                mesh.uvs.push(Vec2::new(u + wide * (0.5 + 0.5 * sx), v + high * (0.5 - 0.5 * sy)));
+            // Each side has triangles and a frame of its own. Were they the same, renderers would turn the normals about as a whole
+            // for the back, and light from the left would come from the right: where billboards cross there would be a seam.
+            for side in [1.0, -1.0] {
+                for (sx, sy) in [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)] {
+                    mesh.positions
+                        .push(view.center + view.right * (view.half.x * sx) + view.up * (view.half.y * sy));
+                    mesh.normals.push(view.toward * side);
+                    mesh.tangents.push(Vec4::from((view.right, side)));
+                    mesh.uvs.push(Vec2::new(u + wide * (0.5 + 0.5 * sx), v + high * (0.5 - 0.5 * sy)));
+                }
             }
-            mesh.indices.extend([0, 1, 2, 0, 2, 3].map(|corner| first + corner));
+            mesh.indices.extend([0, 1, 2, 0, 2, 3, 4, 6, 5, 4, 7, 6].map(|corner| first + corner));
         }
         let texel = 2.0 * across.max(0.5 * size.y) / side as f32;
-        let frame = Frame::of(parts, side.clamp(32, 256))?;
+        // It is used well below the size at which a texel is a pixel.
+        let frame = Frame::of(parts, (side / 4).clamp(16, 128))?;
         let tally = |parts: &[Part<'_>]| {
             let skins = self::skins(parts);
             let drawn = self::drawn(parts, &skins);
-            let each = parallel::map(4, |i| {
-                let view = frame.view(0.3 + i as f32 / 4.0 * TAU, 0.1);
+            let times = frame.times();
+            let each = parallel::map(4 * times, |i| {
+                let yaw = 0.3 + (i / times) as f32 / 4.0 * TAU;
+                let view = frame.view_beside(yaw, 0.1, i % times);
                 Tally::of(&draw(&drawn, view, frame.width, frame.height, 2).finish(lit))
             });
             let mut sum = Tally::default();
@@ -140,7 +146,7 @@ impl Impostor {
         };
         let wanted = tally(parts);
         let with = |thicker: f32, gain: [f32; 3]| -> Result<Asset, AssetError> {
-            let pictures: Vec<Baked> = pictures.iter().map(|baked| thickened(baked, thicker)).collect();
+            let pictures: Vec<Baked> = pictures.iter().map(|baked| baked.thickened(thicker)).collect();
             let textures = Arc::new(atlas::textures(grid, &pictures, gain, Some(atlas::CUTOFF))?);
             let none = Piece {
                 name: "bark",
@@ -148,13 +154,15 @@ impl Impostor {
                 material: Material::default(),
                 textures: None,
                 instances: Vec::new(),
+                bent: None,
             };
             let piece = Piece {
                 name: "impostor",
                 mesh: mesh.clone(),
-                material: Material::leaf().with_color([1.0; 3]),
+                material: Material::leaf().with_color([1.0; 3]).with_double_sided(false),
                 textures: Some(textures),
                 instances: vec![Instance::IDENTITY],
+                bent: None,
             };
             Ok(Asset {
                 bark: none,
@@ -163,6 +171,7 @@ impl Impostor {
                 leaves: Vec::new(),
                 cards: vec![piece],
                 error: texel,
+                crown: None,
             })
         };
         let (mut low, mut high) = THICKER;
@@ -183,8 +192,15 @@ impl Impostor {
             found = with(thicker, [1.0; 3])?;
             now = tally(&found.parts());
         }
-        let (now, wanted) = (now.color(), wanted.color());
-        with(thicker, [0, 1, 2].map(|i| (wanted[i] / now[i].max(1e-6)).clamp(0.6, 1.6)))
+        let (mut color, wanted) = (now.color(), wanted.color());
+        let mut gain = [1.0f32; 3];
+        // Other texels are seen than are baked, and so the first change is not quite enough.
+        for _ in 0..2 {
+            gain = [0, 1, 2].map(|i| (gain[i] * wanted[i] / color[i].max(1e-6)).clamp(0.6, 1.6));
+            found = with(thicker, gain)?;
+            color = tally(&found.parts()).color();
+        }
+        Ok(found)
     }
 
     /// Views from all of the upper half of the sphere in one atlas, for shaders that blend those nearest to the viewer's
@@ -244,13 +260,6 @@ impl Impostor {
             radius,
         })
     }
-}
-
-/// A picture whose cover is multiplied.
-fn thickened(baked: &Baked, thicker: f32) -> Baked {
-    let mut baked = baked.clone();
-    baked.pixels.iter_mut().for_each(|pixel| pixel.cover = (pixel.cover * thicker).min(1.0));
-    baked
 }
 
 /// The view of one cell of the octahedral atlas.

@@ -32,7 +32,6 @@ const LATERALS: f32 = 9.0;
 pub struct LeafImages {
     meshes: Vec<Mesh>,
     front: Textures,
-    back: Textures,
 }
 
 impl LeafImages {
@@ -59,12 +58,10 @@ impl LeafImages {
         let grid = Grid::of(variants as usize, side as usize);
         let veins = Veins::of(mesh);
         let color = leaf.material().color();
-        let images = |paler: f32| -> Result<Textures, AssetError> {
-            let cells = parallel::map(variants as usize, |variant| {
-                bake(mesh, &veins, color, grid.cell - 2 * PADDING, seed, variant as u64, paler)
-            });
-            Ok(atlas::textures(grid, &cells, [1.0; 3], None)?)
-        };
+        let cells = parallel::map(variants as usize, |variant| {
+            bake(mesh, &veins, color, grid.cell - 2 * PADDING, seed, variant as u64)
+        });
+        let front = atlas::textures(grid, &cells, [1.0; 3], None)?;
         let meshes = (0..variants as usize).map(|variant| {
             let ([u, v], [across, down]) = grid.inner(variant);
             let mut mesh = mesh.clone();
@@ -74,7 +71,7 @@ impl LeafImages {
             }
             mesh
         });
-        Ok(Self { meshes: meshes.collect(), front: images(0.0)?, back: images(1.0)? })
+        Ok(Self { meshes: meshes.collect(), front })
     }
 
     /// The leaf's mesh once a variant, its texture coordinates in the variant's cell.
@@ -82,15 +79,29 @@ impl LeafImages {
         &self.meshes
     }
 
-    /// The upper sides, or both, where a material has one set of images.
+    /// The images of both sides: files and renderers have one set for a material.
     pub fn front(&self) -> &Textures {
         &self.front
     }
+}
 
-    /// The lower sides: paler, greyer, with veins that stand out.
-    pub fn back(&self) -> &Textures {
-        &self.back
+/// For each vertex the least one of its piece: of all that triangles connect it with. O(triangles · log vertices).
+fn pieces(mesh: &Mesh) -> Vec<usize> {
+    fn least(pieces: &mut [usize], mut vertex: usize) -> usize {
+        while pieces[vertex] != vertex {
+            pieces[vertex] = pieces[pieces[vertex]];
+            vertex = pieces[vertex];
+        }
+        vertex
     }
+    let mut pieces: Vec<usize> = (0..mesh.positions.len()).collect();
+    for corners in mesh.triangles() {
+        let ends = corners.map(|corner| least(&mut pieces, corner as usize));
+        let first = ends.into_iter().min().unwrap_or(0);
+        ends.into_iter().for_each(|end| pieces[end] = first);
+    }
+    (0..pieces.len()).for_each(|vertex| pieces[vertex] = least(&mut pieces, vertex));
+    pieces
 }
 
 /// The veins that others branch from, in texture coordinates.
@@ -103,49 +114,47 @@ struct Veins {
 
 impl Veins {
     /// Pieces of the mesh are leaflets; from the end of each nearest to the leaf's foot a vein leads to every lobe.
+    /// O(triangles · log vertices).
     fn of(mesh: &Mesh) -> Self {
         let count = mesh.positions.len();
-        let mut piece: Vec<usize> = (0..count).collect();
-        loop {
-            let mut changed = false;
-            for corners in mesh.triangles() {
-                let least = corners.map(|corner| piece[corner as usize]).into_iter().min().unwrap_or(0);
-                for corner in corners {
-                    changed |= piece[corner as usize] != least;
-                    piece[corner as usize] = least;
-                }
-            }
-            if !changed {
-                break;
+        let pieces = pieces(mesh);
+        let by_foot = |vertex: usize| {
+            let p = mesh.positions[vertex];
+            p.x.abs() + p.y.abs() + p.z.abs()
+        };
+        // For each piece, by its first vertex: the vertex nearest to the leaf's foot.
+        let mut foot: Vec<usize> = (0..count).collect();
+        for vertex in 0..count {
+            let nearest = &mut foot[pieces[vertex]];
+            if by_foot(vertex) < by_foot(*nearest) {
+                *nearest = vertex;
             }
         }
+        // A lobe's tip is farther from the foot than its neighbours.
+        let far = |vertex: usize| mesh.positions[vertex].distance(mesh.positions[foot[pieces[vertex]]]);
+        let mut is_tip: Vec<Option<bool>> = vec![None; count];
+        for corners in mesh.triangles() {
+            for vertex in corners.map(|corner| corner as usize) {
+                let others = corners.iter().filter(|other| **other as usize != vertex);
+                let farther = others.into_iter().all(|&other| far(other as usize) < far(vertex));
+                is_tip[vertex] = Some(farther && is_tip[vertex].unwrap_or(true));
+            }
+        }
+        let mut tips: Vec<usize> = (0..count).filter(|&vertex| is_tip[vertex] == Some(true)).collect();
+        tips.sort_by_key(|&vertex| (pieces[vertex], vertex));
         let mut veins = Self { main: Vec::new(), of: vec![(0, 0); count] };
-        for first in 0..count {
-            let members: Vec<usize> = (0..count).filter(|&vertex| piece[vertex] == first).collect();
-            if members.is_empty() {
-                continue;
+        let mut of_piece = vec![(0, 0); count];
+        for tip in tips {
+            let piece = pieces[tip];
+            let number = veins.main.len() as u32;
+            if of_piece[piece].1 == 0 {
+                of_piece[piece].0 = number;
             }
-            let by_foot = |vertex: &usize| {
-                let p = mesh.positions[*vertex];
-                p.x.abs() + p.y.abs() + p.z.abs()
-            };
-            let foot =
-                members.iter().copied().min_by(|a, b| by_foot(a).total_cmp(&by_foot(b))).unwrap_or(first);
-            let from = mesh.uvs[foot];
-            let start = veins.main.len() as u32;
-            // A lobe's tip is farther from the foot than its neighbours.
-            let far = |vertex: usize| mesh.positions[vertex].distance(mesh.positions[foot]);
-            for &vertex in &members {
-                let beside = mesh.triangles().filter(|corners| corners.contains(&(vertex as u32))).flatten();
-                let mut beside = beside.filter(|other| *other as usize != vertex).peekable();
-                if beside.peek().is_some() && beside.all(|other| far(other as usize) < far(vertex)) {
-                    veins.main.push([from, mesh.uvs[vertex]]);
-                }
-            }
-            let end = veins.main.len() as u32;
-            for vertex in members {
-                veins.of[vertex] = (start, end);
-            }
+            of_piece[piece].1 = number + 1;
+            veins.main.push([mesh.uvs[foot[piece]], mesh.uvs[tip]]);
+        }
+        for vertex in 0..count {
+            veins.of[vertex] = of_piece[pieces[vertex]];
         }
         veins
     }
@@ -178,15 +187,7 @@ impl Veins {
 }
 
 /// One variant, as its texture coordinates see it.
-fn bake(
-    mesh: &Mesh,
-    veins: &Veins,
-    color: [f32; 3],
-    side: usize,
-    seed: u64,
-    variant: u64,
-    paler: f32,
-) -> Baked {
+fn bake(mesh: &Mesh, veins: &Veins, color: [f32; 3], side: usize, seed: u64, variant: u64) -> Baked {
     let draw = |stage: u32| random::unit(seed, stage, Purpose::CARDS, variant) * 2.0 - 1.0;
     let (light, hue, spots) = (1.0 + 0.12 * draw(1), 0.10 * draw(2), draw(3));
     let mut pixels = vec![Pixel::default(); side * side];
@@ -220,13 +221,12 @@ fn bake(
                 let rim = (off * 2.2).min(1.0);
                 let tone = light * (1.12 - 0.2 * rim - 0.06 * along);
                 let blotch = 0.05 * spots * math::sin(uv.x * 9.0 + variant as f32) * math::sin(uv.y * 11.0);
-                let vein = vein * (0.45 + 0.3 * paler);
+                let vein = vein * 0.45;
                 let pixel = &mut pixels[row / SAMPLES * side + column / SAMPLES];
                 for i in 0..3 {
                     let shift = [1.0 + hue, 1.0, 1.0 - 0.5 * hue][i];
                     let mut channel = color[i] * tone * shift * (1.0 + blotch);
                     channel += vein * (color[1] * [1.25, 1.35, 0.75][i] - channel);
-                    channel += paler * (0.35 * (color[0] + color[1] + color[2]) / 3.0 + 0.25 * channel);
                     pixel.color[i] += channel.clamp(0.0, 1.0) * share;
                 }
                 pixel.cover += share;
@@ -294,5 +294,52 @@ impl Dress {
             skin: Some(Arc::clone(&skin)),
         };
         Ok(images.meshes.into_iter().map(dress).collect())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Squares of two triangles, where there are any.
+    fn grid(side: u32, is_there: impl Fn(u32, u32) -> bool) -> Mesh {
+        let corner = |i: u32| Vec2::new((i % (side + 1)) as f32, (i / (side + 1)) as f32) / side as f32;
+        let corners: Vec<Vec2> = (0..(side + 1) * (side + 1)).map(corner).collect();
+        let positions: Vec<Vec3> = corners.iter().map(|uv| uv.extend(0.0)).collect();
+        let mut indices = Vec::new();
+        for (x, y) in (0..side * side).map(|i| (i % side, i / side)).filter(|(x, y)| is_there(*x, *y)) {
+            let at = y * (side + 1) + x;
+            indices.extend([at, at + 1, at + side + 2, at, at + side + 2, at + side + 1]);
+        }
+        Mesh::new(positions.clone(), vec![Vec3::Z; positions.len()], indices).with_uvs(corners)
+    }
+
+    #[test]
+    fn each_piece_has_veins_of_its_own() {
+        // Four bands with a gap between them.
+        let mesh = grid(11, |_, y| y % 3 != 2);
+        let found = pieces(&mesh);
+        for corners in mesh.triangles() {
+            let band = corners.map(|corner| corner / 12 / 3);
+            assert!(band.iter().all(|other| *other == band[0]));
+            assert!(corners.iter().all(|corner| found[*corner as usize] as u32 == band[0] * 36));
+        }
+        let veins = Veins::of(&mesh);
+        for corners in mesh.triangles() {
+            let (start, end) = veins.of[corners[0] as usize];
+            assert!(end > start, "a band without a vein");
+            let band = corners[0] / 12 / 3;
+            for [from, to] in &veins.main[start as usize..end as usize] {
+                let rows = [from.y, to.y].map(|y| (y * 11.0).round() as u32 / 3);
+                assert_eq!(rows, [band; 2]);
+            }
+        }
+    }
+
+    #[test]
+    fn fine_meshes_take_no_longer_by_the_square() {
+        // 160,000 triangles: by the square it would be minutes.
+        let leaf = Leaf::new(grid(283, |_, _| true));
+        assert!(LeafImages::of(&leaf, 1, 32, 0).is_ok());
     }
 }

@@ -1,6 +1,7 @@
 //! Bark and leaves together in ever fewer triangles.
 
-use super::builder::{Tree, check_side};
+use super::builder::check_side;
+use super::tree::Tree;
 use super::{Asset, AssetBuilder, AssetError};
 use crate::foliage::Leaves;
 use crate::{ParameterError, Skeleton};
@@ -10,15 +11,15 @@ impl AssetBuilder {
     /// [`Impostor`](super::Impostor) of the same leaves goes where they end.
     ///
     /// Every level has fewer triangles than the one before. Levels are nested: the bark of a level has branches of the finer
-    /// one only, and its cards stand for one or several cards of that, or for the leaves of one. Each level's images are half
-    /// as wide as those of the one before, 128 pixels at the least. A level is meant for pictures in which the tree is
+    /// one only, and its cards stand for one or several cards of that, or for the leaves of one. Each level's images are a
+    /// quarter as wide as those of the one before, 128 pixels at the least: a level is half as high on the screen, and has fewer cards. A level is meant for pictures in which the tree is
     /// [so many pixels](Asset::pixels) high. There are fewer levels if there is nothing left to drop.
     ///
     /// # Errors
     /// Shares that are not 1 to 8 numbers in (0, 1], each less than the one before; otherwise as [`build`](Self::build). A
     /// last level that would be too small for the trunk is an error too.
     pub fn levels(&self, skeleton: &Skeleton, seed: u64, shares: &[f32]) -> Result<Vec<Asset>, AssetError> {
-        let leaves = match self.foliage() {
+        let leaves = match &self.foliage {
             Some(foliage) => vec![foliage.place(skeleton, seed)?],
             None => Vec::new(),
         };
@@ -42,9 +43,9 @@ impl AssetBuilder {
         ParameterError::unless(holds, "AssetBuilder.levels.shares", shares, range)?;
         let tree = Tree::new(self, skeleton, leaves)?;
         let dense = tree.dense_triangles();
-        let whole = self.triangles().unwrap_or(dense).min(dense);
+        let whole = self.triangles.unwrap_or(dense).min(dense);
         let (mut levels, mut grouping) = (Vec::<Asset>::new(), None);
-        let mut side = self.texture_size();
+        let mut side = self.texture_size;
         for share in shares {
             let mut most = (f64::from(*share) * whole as f64) as usize;
             if let Some(last) = levels.last() {
@@ -58,7 +59,7 @@ impl AssetBuilder {
             let (asset, groups) = tree.level(most, side, grouping.as_ref())?;
             levels.push(asset);
             grouping = Some(groups);
-            side = (side / 2).max(128);
+            side = (side / 4).max(128);
         }
         Ok(levels)
     }

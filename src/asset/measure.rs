@@ -13,6 +13,10 @@ use std::f32::consts::TAU;
 
 /// Points along each side of a pixel of a picture that is measured: four in all, as renderers have them.
 pub(super) const SAMPLES: usize = 2;
+/// Pictures in which a tree is less high, pixels, are drawn several times.
+const LARGE: f32 = 120.0;
+/// As often at the most.
+const TIMES: f32 = 9.0;
 /// Where the light comes from, seen by the viewer.
 const LIGHT: Vec3 = Vec3::new(0.36, 0.73, 0.58);
 /// Light from everywhere, and from there.
@@ -34,7 +38,8 @@ pub struct Likeness {
 }
 
 impl Likeness {
-    /// Compares `model` with `full` from four sides, in pictures in which `full` is so many pixels high, 8 to 2048.
+    /// Compares `model` with `full` from four sides, in pictures in which `full` is so many pixels high, 8 to 2048; small
+    /// pictures are drawn up to nine times, each a part of a pixel beside the others.
     ///
     /// # Errors
     /// A height out of range; parts that cannot be drawn; nothing to be seen.
@@ -43,8 +48,10 @@ impl Likeness {
         let frame = Frame::of(full, pixels as usize)?;
         check(model)?;
         let [ours, theirs] = [skins(model), skins(full)];
-        let each = parallel::map(4, |side| {
-            let view = frame.view(side as f32 / 4.0 * TAU + 0.3, 0.12);
+        let times = frame.times();
+        let each = parallel::map(4 * times, |i| {
+            let yaw = (i / times) as f32 / 4.0 * TAU + 0.3;
+            let view = frame.view_beside(yaw, 0.12, i % times);
             let [ours, theirs] = [(model, &ours), (full, &theirs)].map(|(parts, skins)| {
                 draw(&drawn(parts, skins), view, frame.width, frame.height, SAMPLES).finish(lit)
             });
@@ -177,6 +184,9 @@ pub(super) fn reach(parts: &[Part<'_>], from: Vec3) -> f32 {
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Frame {
     center: Vec3,
+    /// Of the model.
+    size: Vec3,
+    pixel: f32,
     half: Vec2,
     pub(super) width: usize,
     pub(super) height: usize,
@@ -187,14 +197,46 @@ impl Frame {
     pub(super) fn of(parts: &[Part<'_>], pixels: usize) -> Result<Self, AssetError> {
         check(parts)?;
         let bounds = bounds(parts).ok_or(AssetError::Nothing)?;
-        let size = bounds.size();
+        Ok(Self::about(bounds.center(), bounds.size(), pixels))
+    }
+
+    fn about(center: Vec3, size: Vec3, pixels: usize) -> Self {
         let across = Vec2::new(size.x, size.z).length();
         let tall = size.y.max(across * 0.05).max(1e-6);
         let pixel = tall / pixels as f32;
         let count = |metres: f32| (1.06 * metres / pixel).ceil().clamp(8.0, 8192.0) as usize;
         let (width, height) = (count(across), count(tall + 0.12 * across));
         let half = Vec2::new(width as f32, height as f32) * (0.5 * pixel);
-        Ok(Self { center: bounds.center(), half, width, height })
+        Self { center, size, pixel, half, width, height }
+    }
+
+    /// About the same model in pictures in which it is so many pixels high.
+    pub(super) fn at(&self, pixels: usize) -> Self {
+        Self::about(self.center, self.size, pixels)
+    }
+
+    /// Small pictures are drawn several times, for they have few points.
+    pub(super) fn times(&self) -> usize {
+        (LARGE / self.pixels()).powi(2).clamp(1.0, TIMES) as usize
+    }
+
+    /// The view of such a time: moved by a part of a pixel, evenly spread (Roberts 2018, "The Unreasonable Effectiveness of
+    /// Quasirandom Sequences"); not moved the first time.
+    pub(super) fn view_beside(&self, yaw: f32, lift: f32, number: usize) -> View {
+        let mut view = self.view(yaw, lift);
+        let part = |step: f32| self.pixel * ((number as f32 * step + 0.5).fract() - 0.5);
+        view.center += view.right * part(0.754_877_7) + view.up * part(0.569_840_3);
+        view
+    }
+
+    /// The side of a pixel, metres.
+    pub(super) fn pixel(&self) -> f32 {
+        self.pixel
+    }
+
+    /// How high the model is, pixels.
+    pub(super) fn pixels(&self) -> f32 {
+        self.size.y / self.pixel
     }
 
     pub(super) fn view(&self, yaw: f32, lift: f32) -> View {

@@ -6,12 +6,15 @@ mod builder;
 mod card;
 mod cluster;
 mod coat;
+mod fit;
 mod impostor;
 mod leaf;
 mod levels;
+mod light;
 mod measure;
 mod skin;
 mod tangents;
+mod tree;
 mod wind;
 mod young;
 
@@ -66,17 +69,20 @@ struct Piece {
     material: Material,
     textures: Option<Arc<Textures>>,
     instances: Vec<Instance>,
+    /// All copies in one mesh, their normals bent by the crown.
+    bent: Option<Mesh>,
 }
 
 impl Piece {
     fn part(&self) -> Part<'_> {
-        let mut part = Part::new(&self.mesh).with_name(self.name).with_material(self.material);
+        let mesh = self.bent.as_ref().unwrap_or(&self.mesh);
+        let mut part = Part::new(mesh).with_name(self.name).with_material(self.material);
         if let Some(textures) = &self.textures {
             part = part.with_textures(textures);
         }
         // What stands once at the root is no instance.
         let is_once = self.instances.len() == 1 && self.instances[0] == Instance::IDENTITY;
-        if is_once { part } else { part.with_instances(&self.instances) }
+        if is_once || self.bent.is_some() { part } else { part.with_instances(&self.instances) }
     }
 }
 
@@ -91,11 +97,15 @@ pub struct Asset {
     leaves: Vec<Piece>,
     cards: Vec<Piece>,
     error: f32,
+    /// By what the normals of leaves and cards are bent, if they are.
+    crown: Option<light::Crown>,
 }
 
 impl Asset {
-    /// What is written and drawn: `bark`; `young bark`, if [thin wood](AssetBuilder::with_young_bark) has its own; what it is [coated](Asset::coated) with; `leaves`, a part for each variant of their images; and `cards`, a part for each kind
-    /// of twig, of which all wear the same images. Empty ones are left out. An impostor has one part, `impostor`.
+    /// What is written and drawn: `bark`; `young bark`, if [thin wood](AssetBuilder::with_young_bark) has its own; what it is
+    /// [coated](Asset::coated) with; `leaves`, a part for each variant of their images; and `cards`, a part for each kind
+    /// of twig, of which all wear the same images. With [bent normals](AssetBuilder::with_bent_normals) all copies of a part are one
+    /// mesh, without instances. Empty ones are left out. An impostor has one part, `impostor`.
     pub fn parts(&self) -> Vec<Part<'_>> {
         let pieces = std::iter::once(&self.bark)
             .chain(&self.young)

@@ -66,53 +66,64 @@ impl Skin {
 
 impl SkinOn<'_> {
     /// What is at the point with these barycentric coordinates; nothing where there is a hole.
+    #[inline]
     pub(super) fn at(&self, u: f32, v: f32, w: f32) -> Option<Texel> {
         let uv = self.uvs[0] * u + self.uvs[1] * v + self.uvs[2] * w;
         let mut texel = Texel { color: [1.0; 3], normal: Vec3::Z, tangent: self.tangent };
         if let Some(image) = self.skin.color.get(self.level) {
-            let near = Near::new(image, uv);
-            if self
-                .skin
-                .cutoff
-                .is_some_and(|cutoff| near.mean(image, |texel| f32::from(texel[3])) < cutoff * 255.0)
+            let (near, bytes) = (Near::new(image, uv), image.bytes());
+            if let Some(cutoff) = self.skin.cutoff
+                && near.mean(|at| f32::from(bytes[at + 3])) < cutoff * 255.0
             {
                 return None;
             }
-            texel.color =
-                [0, 1, 2].map(|i| near.mean(image, |texel| self.skin.linear[usize::from(texel[i])]));
+            let linear = &self.skin.linear;
+            texel.color = [0, 1, 2].map(|i| near.mean(|at| linear[usize::from(bytes[at + i])]));
         }
         if let Some(image) = self.skin.normal.get(self.level.min(self.skin.normal.len().max(1) - 1)) {
-            let near = Near::new(image, uv);
-            let mean = [0, 1, 2].map(|i| near.mean(image, |texel| f32::from(texel[i])) / 127.5 - 1.0);
+            let (near, bytes) = (Near::new(image, uv), image.bytes());
+            let mean = [0, 1, 2].map(|i| near.mean(|at| f32::from(bytes[at + i])) / 127.5 - 1.0);
             texel.normal = Vec3::from_array(mean);
         }
         Some(texel)
     }
 }
 
-/// The four texels about a point, and how near each is.
+/// The four texels about a point, where each begins among the image's bytes, and how near it is.
 struct Near {
-    corners: [[u32; 2]; 4],
+    starts: [usize; 4],
     weights: [f32; 4],
 }
 
 impl Near {
+    #[inline]
     fn new(image: &Image, uv: Vec2) -> Self {
         let (width, height) = (image.width(), image.height());
         let at = uv * Vec2::new(width as f32, height as f32) - Vec2::splat(0.5);
-        let low = at.floor();
+        let low = Vec2::new(math::floor(at.x), math::floor(at.y));
         let Vec2 { x, y } = at - low;
-        let wrap = |i: f32, count: u32| (i as i64).rem_euclid(i64::from(count)) as u32;
+        let wrap = |i: f32, count: u32| {
+            let whole = i as i64;
+            // Mostly it is in the image, and needs no division.
+            if (0..i64::from(count)).contains(&whole) {
+                whole as usize
+            } else {
+                whole.rem_euclid(i64::from(count)) as usize
+            }
+        };
         let (left, right) = (wrap(low.x, width), wrap(low.x + 1.0, width));
         let (top, bottom) = (wrap(low.y, height), wrap(low.y + 1.0, height));
+        let [top, bottom] = [top, bottom].map(|row| row * width as usize);
+        let channels = usize::from(image.channels());
         Self {
-            corners: [[left, top], [right, top], [left, bottom], [right, bottom]],
+            starts: [top + left, top + right, bottom + left, bottom + right].map(|at| at * channels),
             weights: [(1.0 - x) * (1.0 - y), x * (1.0 - y), (1.0 - x) * y, x * y],
         }
     }
 
-    fn mean(&self, image: &Image, of: impl Fn(&[u8]) -> f32) -> f32 {
-        let texel = |i: usize| of(image.pixel(self.corners[i][0], self.corners[i][1])) * self.weights[i];
+    #[inline]
+    fn mean(&self, of: impl Fn(usize) -> f32) -> f32 {
+        let texel = |i: usize| of(self.starts[i]) * self.weights[i];
         texel(0) + texel(1) + texel(2) + texel(3)
     }
 }

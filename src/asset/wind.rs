@@ -1,7 +1,8 @@
 //! Assets that move in the wind.
 
+use super::light::{Crown, in_bytes};
 use super::{Asset, AssetError};
-use crate::foliage::{Leaf, Leaves};
+use crate::foliage::{Leaf, Leaves, bend_about};
 use crate::surface::{Instance, Sway};
 
 impl Asset {
@@ -38,6 +39,11 @@ impl Asset {
             let leaves = Leaves { leaf: Leaf::new(piece.mesh.clone()), instances: piece.instances.clone() };
             piece.mesh = leaves.mesh_in_wind(sway)?;
             piece.instances = vec![Instance::IDENTITY];
+            piece.bent = None;
+            if let Some(Crown { bounds, share }) = self.crown {
+                bend_about(&mut piece.mesh, bounds, share);
+                in_bytes(&mut piece.mesh.colors);
+            }
         }
         Ok(asset)
     }

@@ -5,6 +5,7 @@
 //! no fork leads back, and levels of detail agree about every internode.
 
 use super::Piece;
+use super::light::in_bytes;
 use crate::Skeleton;
 use crate::surface::{Instance, Material};
 use crate::texture::{Image, Textures};
@@ -83,6 +84,7 @@ impl Young {
             material: old.material,
             textures: Some(Arc::clone(&self.textures)),
             instances: vec![Instance::IDENTITY],
+            bent: None,
         };
         fade(old, &mut young, skeleton.radii(), change);
         young
@@ -156,7 +158,14 @@ fn fade(old: &mut Piece, young: &mut Piece, radii: &[f32], change: f32) {
             t * t * (3.0 - 2.0 * t)
         };
         let color = |node: u32| at_change.map(|factor| factor + (1.0 - factor) * own(node));
-        piece.mesh.colors = piece.mesh.wind.iter().map(|wind| color(wind.node)).collect();
+        let mesh = &mut piece.mesh;
+        // There may be the crown's shade already.
+        mesh.colors.resize(mesh.wind.len(), [1.0; 3]);
+        for (shade, wind) in mesh.colors.iter_mut().zip(&mesh.wind) {
+            let own = color(wind.node);
+            *shade = std::array::from_fn(|i| shade[i] * own[i]);
+        }
+        in_bytes(&mut mesh.colors);
     }
 }
 
@@ -264,6 +273,7 @@ mod tests {
                 material: Material::white(),
                 textures: Some(Arc::new(textures)),
                 instances,
+                bent: None,
             }
         };
         let (mut old, mut young) = (piece(set([120, 90, 60]), 0), piece(set([90, 100, 60]), 1));

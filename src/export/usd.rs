@@ -125,11 +125,12 @@ impl<'a> UsdStage<'a> {
 }
 
 /// Writes a stage as text. Instances are points of a `PointInstancer`, their rotations in 16-bit floats, as USD has them; tints
-/// are its `displayColor`, which parts without an image of their colour are drawn in. Images are named as `usd_images` (feature
+/// are its `displayColor`, which parts without an image of their colour are drawn in; a mesh with colours of its own and tinted copies is
+/// written once with all of them in it, for the two cannot be multiplied. Images are named as `usd_images` (feature
 /// `texture`) gives them, and belong beside the file. What `UsdPreviewSurface` has no word for is left out: light from behind,
 /// tangents, wind.
 ///
-/// O(vertices + triangles + instances) time; O(instances) memory.
+/// O(vertices + triangles + instances) time; O(instances) memory, and that of the copies which are written as one mesh.
 ///
 /// # Errors
 /// Parts, variants or scenes without a triangle, or that are not sound; axes out of range; names of variants that are no words;
@@ -147,7 +148,8 @@ pub fn write_usda(stage: &UsdStage<'_>, writer: impl Write) -> Result<(), Export
 /// made twice, first for its checksum, so that it never is in memory as a whole.
 ///
 /// # Errors
-/// As of [`write_usda`]; more than 4 GiB.
+/// As of [`write_usda`]; more than 4 GiB; a stage's or a part's name of more than 65,000 bytes, for those of files in an archive have
+/// 16-bit lengths.
 pub fn write_usdz(stage: &UsdStage<'_>, writer: impl Write) -> Result<(), ExportError> {
     stage.check()?;
     let uses = stage.uses();

@@ -29,7 +29,11 @@ mod wind;
 
 pub use arrangement::Arrangement;
 pub use leaf::Leaf;
+#[cfg(feature = "texture")]
+pub(crate) use normals::bend_about;
 pub use normals::bend_normals;
+#[cfg(feature = "texture")]
+pub(crate) use shade::Canopy;
 pub use wind::LeafWind;
 
 use crate::math::UP;

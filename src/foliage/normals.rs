@@ -1,6 +1,7 @@
 //! Normals that make a crown look round.
 
 use crate::ParameterError;
+use crate::shape::Bounds;
 use crate::surface::Mesh;
 use glam::Vec3;
 
@@ -32,7 +33,17 @@ const ONSET: f32 = 4.0;
 /// A share that is not 0 to 1.
 pub fn bend_normals(mesh: &mut Mesh, share: f32) -> Result<(), ParameterError> {
     ParameterError::unless((0.0..=1.0).contains(&share), "bend_normals", share, "0 to 1")?;
-    let Some(bounds) = mesh.bounds().filter(|_| share > 0.0) else { return Ok(()) };
+    if let Some(bounds) = mesh.bounds() {
+        bend_about(mesh, bounds, share);
+    }
+    Ok(())
+}
+
+/// The same by the ellipsoid in a box, `share` from 0 to 1.
+pub(crate) fn bend_about(mesh: &mut Mesh, bounds: Bounds, share: f32) {
+    if share <= 0.0 {
+        return;
+    }
     let size = bounds.size();
     // A flat crown counts as a little thick.
     let half = (0.5 * size).max(Vec3::splat(1e-3 * size.max_element().max(f32::MIN_POSITIVE)));
@@ -46,7 +57,6 @@ pub fn bend_normals(mesh: &mut Mesh, share: f32) -> Result<(), ParameterError> {
         let across = tangent.truncate() - normal * normal.dot(tangent.truncate());
         *tangent = across.normalize_or(normal.any_orthonormal_vector()).extend(tangent.w);
     }
-    Ok(())
 }
 
 #[cfg(test)]

@@ -38,12 +38,10 @@ impl Leaves {
     pub fn shaded(mut self, strength: f32) -> Result<Self, ParameterError> {
         let holds = (0.0..=1.0).contains(&strength);
         ParameterError::unless(holds, "Leaves.shaded", strength, "0 to 1")?;
-        let Some(canopy) = Canopy::of(&self).filter(|_| strength > 0.0) else { return Ok(self) };
-        let lights: Vec<f32> = self.instances.iter().map(|leaf| canopy.light(leaf.position)).collect();
-        let brightest = lights.iter().copied().fold(0.0, f32::max);
-        for (leaf, light) in self.instances.iter_mut().zip(lights) {
-            let light = if brightest > 0.0 { (light / brightest).min(1.0) } else { 1.0 };
-            let factor = 1.0 - strength * (1.0 - light);
+        let canopy = if strength > 0.0 { Canopy::of(std::slice::from_ref(&self)) } else { None };
+        let Some(canopy) = canopy else { return Ok(self) };
+        for leaf in &mut self.instances {
+            let factor = canopy.factor(leaf.position, strength);
             leaf.tint = leaf.tint.map(|channel| channel * factor);
         }
         Ok(self)
@@ -51,30 +49,37 @@ impl Leaves {
 }
 
 /// The light in each cell of a crown.
-struct Canopy {
+#[derive(Debug)]
+pub(crate) struct Canopy {
     low: Vec3,
     cell: f32,
     size: IVec3,
     lights: Vec<f32>,
+    /// What reaches the leaf that has most of it.
+    brightest: f32,
 }
 
 impl Canopy {
-    /// `None` if there is no crown, or one without extent.
-    fn of(leaves: &Leaves) -> Option<Self> {
-        let bounds = Bounds::of(leaves.instances.iter().map(|leaf| leaf.position));
+    /// Of leaves of all kinds; `None` if there is no crown, or one without extent.
+    pub(crate) fn of(all: &[Leaves]) -> Option<Self> {
+        let positions = || all.iter().flat_map(|leaves| &leaves.instances).map(|leaf| leaf.position);
+        let bounds = Bounds::of(positions());
         let cell = bounds.size().max_element() / CELLS;
-        if leaves.instances.is_empty() || !(cell > 0.0 && cell.is_finite()) {
+        if positions().next().is_none() || !(cell > 0.0 && cell.is_finite()) {
             return None;
         }
         let size = (bounds.size() / cell).as_ivec3() + IVec3::ONE;
         let cells = (size.x * size.y * size.z) as usize;
-        let mut canopy = Self { low: bounds.min, cell, size, lights: vec![0.0; cells] };
-        let area = leaves.leaf.mesh().area();
+        let mut canopy = Self { low: bounds.min, cell, size, lights: vec![0.0; cells], brightest: 0.0 };
         // Square metres of leaves a cubic metre.
         let mut densities = vec![0.0f32; cells];
-        for leaf in &leaves.instances {
-            let at = ((leaf.position - bounds.min) / cell).as_ivec3().clamp(IVec3::ZERO, size - IVec3::ONE);
-            densities[canopy.index(at)] += area * leaf.scale * leaf.scale / (cell * cell * cell);
+        for leaves in all {
+            let area = leaves.leaf.mesh().area();
+            for leaf in &leaves.instances {
+                let at =
+                    ((leaf.position - bounds.min) / cell).as_ivec3().clamp(IVec3::ZERO, size - IVec3::ONE);
+                densities[canopy.index(at)] += area * leaf.scale * leaf.scale / (cell * cell * cell);
+            }
         }
         let directions = directions();
         for z in 0..size.z {
@@ -86,7 +91,14 @@ impl Canopy {
                 }
             }
         }
+        canopy.brightest = positions().map(|point| canopy.light(point)).fold(0.0, f32::max);
         Some(canopy)
+    }
+
+    /// By what colours at a point are multiplied: 1 where it is brightest, down to `1 - strength` where no light comes.
+    pub(crate) fn factor(&self, point: Vec3, strength: f32) -> f32 {
+        let light = if self.brightest > 0.0 { (self.light(point) / self.brightest).min(1.0) } else { 1.0 };
+        1.0 - strength * (1.0 - light)
     }
 
     fn index(&self, at: IVec3) -> usize {

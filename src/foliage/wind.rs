@@ -80,33 +80,16 @@ impl Leaves {
     /// When a leaf's node is not in the skeleton of the sway.
     pub fn mesh_in_wind(&self, sway: &Sway) -> Result<Mesh, SurfaceError> {
         let one = self.leaf.mesh();
-        let vertices = one.positions.len() * self.instances.len();
-        if vertices > u32::MAX as usize {
-            return Err(SurfaceError::TooLarge { vertices });
-        }
-        let mut mesh = Mesh::default();
-        mesh.positions.reserve(vertices);
-        let tinted = self.instances.iter().any(|leaf| leaf.tint.iter().any(|&channel| channel < 1.0));
-        for leaf in &self.instances {
-            let first = mesh.positions.len() as u32;
-            let (matrix, rotation) = (leaf.matrix(), leaf.rotation_matrix());
-            for &local in &one.positions {
-                let position = matrix * local + leaf.position;
+        let mut mesh = one.merged(&self.instances)?;
+        mesh.wind.reserve(mesh.positions.len());
+        for (leaf, corners) in
+            self.instances.iter().zip(mesh.positions.chunks_exact(one.positions.len().max(1)))
+        {
+            for &position in corners {
                 // A leaf is turned as a whole by the twig where it is attached.
                 let wind = sway.carried(leaf.node, leaf.position, position);
                 mesh.wind.push(Wind { flutter: FLUTTER * position.distance(leaf.position), ..wind });
-                mesh.positions.push(position);
             }
-            mesh.normals.extend(one.normals.iter().map(|&normal| rotation * normal));
-            let tangents = one.tangents.iter().map(|&t| (rotation * t.truncate()).extend(t.w));
-            mesh.tangents.extend(tangents);
-            mesh.uvs.extend_from_slice(&one.uvs);
-            if tinted || !one.colors.is_empty() {
-                let color = |i: usize| one.colors.get(i).copied().unwrap_or([1.0; 3]);
-                let tint = |i: usize| std::array::from_fn(|channel| color(i)[channel] * leaf.tint[channel]);
-                mesh.colors.extend((0..one.positions.len()).map(tint));
-            }
-            mesh.indices.extend(one.indices.iter().map(|index| first + index));
         }
         Ok(mesh)
     }

@@ -43,31 +43,43 @@ impl<'a> Map<'a> {
     }
 
     /// Between four texels of one level; linear, alpha last.
+    #[inline]
     fn bilinear(&self, level: usize, uv: Vec2, tables: &Tables) -> Vec4 {
         let image = self.level(level);
-        let place = |u: f32, side: u32| {
-            let at = (u - u.floor()) * side as f32 + side as f32 - 0.5;
-            let whole = at as u32;
-            (whole % side, (whole + 1) % side, at - whole as f32)
-        };
-        let ((left, right, dx), (upper, lower, dy)) =
-            (place(uv.x, image.width()), place(uv.y, image.height()));
+        let (bytes, near) = (image.bytes(), Near::new(image, uv));
         let table = if self.is_color { &tables.linear } else { &tables.plain };
-        let texel = |x, y| {
-            let pixel = image.pixel(x, y);
-            let alpha = pixel.get(3).map_or(1.0, |&alpha| f32::from(alpha) / 255.0);
-            let [r, g, b] = [0, 1, 2].map(|channel| table[usize::from(pixel[channel])]);
-            Vec4::new(r, g, b, alpha)
+        let has_alpha = image.has_alpha();
+        let texel = |at: usize| {
+            let value = |channel: usize| table[usize::from(bytes[at + channel])];
+            let alpha = if has_alpha { f32::from(bytes[at + 3]) / 255.0 } else { 1.0 };
+            Vec4::new(value(0), value(1), value(2), alpha)
         };
-        let above = texel(left, upper).lerp(texel(right, upper), dx);
-        let below = texel(left, lower).lerp(texel(right, lower), dx);
-        above.lerp(below, dy)
+        let [a, b, c, d] = near.starts;
+        let above = texel(a).lerp(texel(b), near.across);
+        let below = texel(c).lerp(texel(d), near.across);
+        above.lerp(below, near.down)
+    }
+
+    /// The last channel of [`bilinear`](Self::bilinear), of an image that has it.
+    #[inline]
+    fn alpha(&self, level: usize, uv: Vec2) -> f32 {
+        let image = self.level(level);
+        let (bytes, near) = (image.bytes(), Near::new(image, uv));
+        let [a, b, c, d] = near.starts.map(|at| f32::from(bytes[at + 3]) / 255.0);
+        let between = |a: f32, b: f32, part: f32| a * (1.0 - part) + b * part;
+        between(between(a, b, near.across), between(c, d, near.across), near.down)
+    }
+
+    /// The level in which something is so many halvings from the image, and how far it is to the next one.
+    #[inline]
+    fn levels(&self, halvings: f32) -> (usize, f32) {
+        let halvings = halvings.clamp(0.0, self.smaller.len() as f32);
+        (halvings as usize, halvings - (halvings as usize) as f32)
     }
 
     /// Between two levels, so many halvings from the image itself.
     fn trilinear(&self, halvings: f32, uv: Vec2, tables: &Tables) -> Vec4 {
-        let halvings = halvings.clamp(0.0, self.smaller.len() as f32);
-        let (level, part) = (halvings as usize, halvings - (halvings as usize) as f32);
+        let (level, part) = self.levels(halvings);
         let near = self.bilinear(level, uv, tables);
         if part > 0.0 { near.lerp(self.bilinear(level + 1, uv, tables), part) } else { near }
     }
@@ -89,6 +101,35 @@ impl<'a> Map<'a> {
             sum += self.trilinear(halvings, at.uv + way * part, tables);
         }
         sum / taps
+    }
+}
+
+/// The four texels about a place of an image that repeats: where they begin among its bytes, the upper two first.
+#[derive(Debug, Clone, Copy)]
+struct Near {
+    starts: [usize; 4],
+    /// How far the place is from the left ones to the right ones, and from the upper to the lower.
+    across: f32,
+    down: f32,
+}
+
+impl Near {
+    #[inline]
+    fn new(image: &Image, uv: Vec2) -> Self {
+        let place = |u: f32, side: u32| {
+            let at = (u - math::floor(u)) * side as f32 + side as f32 - 0.5;
+            // From the last texel of the tile before to the last one of this: no division is needed.
+            let whole = at as u32;
+            let here = if whole >= side { whole - side } else { whole }.min(side - 1);
+            let next = if here + 1 == side { 0 } else { here + 1 };
+            (here as usize, next as usize, at - whole as f32)
+        };
+        let ((left, right, across), (upper, lower, down)) =
+            (place(uv.x, image.width()), place(uv.y, image.height()));
+        let (width, channels) = (image.width() as usize, usize::from(image.channels()));
+        let [upper, lower] = [upper, lower].map(|row| row * width);
+        let starts = [upper + left, upper + right, lower + left, lower + right].map(|at| at * channels);
+        Self { starts, across, down }
     }
 }
 
@@ -165,7 +206,10 @@ impl<'a> Wear<'a> {
     /// Whether there is something at a place, seen at so many halvings.
     fn is_there(&self, uv: Vec2, halvings: f32) -> bool {
         let (Some(map), Some(cutoff)) = (&self.color, self.cutoff) else { return true };
-        map.trilinear(halvings, uv, &self.tables).w >= cutoff
+        let (level, part) = map.levels(halvings);
+        let near = map.alpha(level, uv);
+        let alpha = if part > 0.0 { near * (1.0 - part) + map.alpha(level + 1, uv) * part } else { near };
+        alpha >= cutoff
     }
 
     /// The part of a triangle that is not cut out.
@@ -306,6 +350,22 @@ mod tests {
         let image = Image::new(2, 1, 3, vec![255, 255, 255, 0, 0, 0]).expect("sizes are right");
         let map = Map::new(&image, true, None);
         assert_eq!(map.smaller[0].bytes(), [188; 3], "half of the light is 188 in sRGB");
+    }
+
+    #[test]
+    fn alpha_is_the_fourth_channel() {
+        let (image, tables) = (checks(16), Tables::new());
+        let map = Map::new(&image, true, Some(0.5));
+        for i in 0..500_i16 {
+            let uv = Vec2::new(f32::from(i * 37 % 400) / 97.0 - 2.0, f32::from(i * 91 % 300) / 61.0 - 3.0);
+            for level in 0..=map.smaller.len() {
+                assert!((map.bilinear(level, uv, &tables).w - map.alpha(level, uv)).abs() < 1e-6);
+            }
+            assert_eq!(math::floor(uv.x).to_bits(), (uv.x.floor() + 0.0).to_bits());
+        }
+        for odd in [f32::NAN, f32::INFINITY, 1e30, -1e30] {
+            assert!(map.alpha(0, Vec2::splat(odd)).is_finite() || odd.is_nan() || odd.is_infinite());
+        }
     }
 
     #[test]

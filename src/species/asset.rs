@@ -3,7 +3,7 @@
 use super::specimen::{FRESH, WEATHERED, linear};
 use super::{BarkForm, Specimen};
 use crate::asset::{Asset, AssetBuilder, AssetError};
-use crate::surface::{Material, Tubes};
+use crate::surface::{Material, Sway, Tubes};
 use crate::texture::{Bark, BarkKind};
 
 /// Years after which a dead tree's images are of wood, not of bark.
@@ -44,7 +44,7 @@ impl Specimen {
 
     /// Bark with images, leaves and cards in levels of detail, as [`AssetBuilder::levels`]: the finest has at most so many `triangles`
     /// (`None` for all there are), the others these shares of them; images of `side` pixels, a power of two from 128 to 8192. No vertex
-    /// has wind; [`Asset::in_wind`] gives it.
+    /// has wind: for that there is [`levels_in_wind`](Self::levels_in_wind).
     ///
     /// ```
     /// use treesynth::species;
@@ -63,6 +63,28 @@ impl Specimen {
         side: u32,
         shares: &[f32],
     ) -> Result<Vec<Asset>, AssetError> {
+        let mut levels = self.grown(triangles, side, shares)?;
+        levels.iter_mut().for_each(|level| level.barks_mut().for_each(|mesh| mesh.wind = Vec::new()));
+        Ok(levels)
+    }
+
+    /// As [`levels`](Self::levels), with [`Wind`](crate::surface::Wind) in all vertices, see [`Asset::in_wind`]: bark has it from its tubes,
+    /// so that its junctions stay closed.
+    ///
+    /// # Errors
+    /// As [`levels`](Self::levels); more vertices than 32-bit indices can name.
+    pub fn levels_in_wind(
+        &self,
+        triangles: Option<usize>,
+        side: u32,
+        shares: &[f32],
+    ) -> Result<Vec<Asset>, AssetError> {
+        let sway = Sway::of(&self.skeleton)?;
+        self.grown(triangles, side, shares)?.iter().map(|level| level.in_wind(&sway)).collect()
+    }
+
+    /// The levels, with wind in their bark.
+    fn grown(&self, triangles: Option<usize>, side: u32, shares: &[f32]) -> Result<Vec<Asset>, AssetError> {
         let bark = self.bark_texture().with_resolution(side);
         // One mean: the colours of trunk and twigs are the vertices'.
         let young = bark.clone().young().with_color(self.lightest().map(|channel| channel as u8));
@@ -84,9 +106,12 @@ impl Specimen {
                 [0, 1, 2].map(|i| (own[i] / lightest[i].max(1e-6)).clamp(0.0, 1.0))
             };
             for mesh in level.barks_mut() {
-                // The wind is there for the node of each vertex.
-                let wind = std::mem::take(&mut mesh.wind);
-                mesh.colors = wind.iter().map(|wind| color(wind.node)).collect();
+                // The wind tells the node of each vertex. There may be the crown's shade already.
+                mesh.colors.resize(mesh.positions.len(), [1.0; 3]);
+                for (shade, wind) in mesh.colors.iter_mut().zip(&mesh.wind) {
+                    let own = color(wind.node);
+                    *shade = [0, 1, 2].map(|i| (shade[i] * own[i] * 255.0).round() / 255.0);
+                }
             }
         }
         Ok(levels)

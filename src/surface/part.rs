@@ -1,6 +1,6 @@
 //! A mesh, how it looks and where it stands: what files and pictures are made of.
 
-use super::{Material, Mesh, MeshError, Transform};
+use super::{Material, Mesh, MeshError, SurfaceError, Transform};
 use crate::ParameterError;
 #[cfg(feature = "texture")]
 use crate::texture::{TextureError, Textures};
@@ -84,6 +84,36 @@ pub struct Part<'a> {
     transform: Transform,
     #[cfg(feature = "texture")]
     textures: Option<&'a Textures>,
+}
+
+impl Mesh {
+    /// All copies of it as one mesh, tints in its colours; wind is left out. O(vertices of all copies).
+    pub(crate) fn merged(&self, copies: &[Instance]) -> Result<Self, SurfaceError> {
+        let vertices = self.positions.len() * copies.len();
+        if vertices > u32::MAX as usize {
+            return Err(SurfaceError::TooLarge { vertices });
+        }
+        let mut mesh = Self::default();
+        mesh.positions.reserve(vertices);
+        mesh.normals.reserve(vertices);
+        let colored = !self.colors.is_empty() || copies.iter().any(Instance::is_tinted);
+        for copy in copies {
+            let first = mesh.positions.len() as u32;
+            let (matrix, rotation) = (copy.matrix(), copy.rotation_matrix());
+            mesh.positions.extend(self.positions.iter().map(|&position| matrix * position + copy.position));
+            mesh.normals.extend(self.normals.iter().map(|&normal| rotation * normal));
+            let tangents = self.tangents.iter().map(|&t| (rotation * t.truncate()).extend(t.w));
+            mesh.tangents.extend(tangents);
+            mesh.uvs.extend_from_slice(&self.uvs);
+            if colored {
+                let color = |i: usize| self.colors.get(i).copied().unwrap_or([1.0; 3]);
+                let tint = |i: usize| std::array::from_fn(|channel| color(i)[channel] * copy.tint[channel]);
+                mesh.colors.extend((0..self.positions.len()).map(tint));
+            }
+            mesh.indices.extend(self.indices.iter().map(|index| first + index));
+        }
+        Ok(mesh)
+    }
 }
 
 impl<'a> Part<'a> {

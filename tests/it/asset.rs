@@ -1,5 +1,6 @@
 //! What an asset promises: its budget, its cover and colour, levels that are nested, images that can be worn.
 
+use std::f32::consts::PI;
 use treesynth::asset::{Asset, AssetBuilder, AssetError, Impostor, LeafImages, Likeness};
 use treesynth::foliage::{Foliage, Leaf, Leaves};
 use treesynth::glam::Vec3;
@@ -10,6 +11,10 @@ use treesynth::{Skeleton, texture::Textures};
 fn tree(preset: &Preset, nodes: usize) -> Skeleton {
     let tree = preset.synth(nodes).synthesize(preset.seed).expect(preset.name);
     tree.relaxed(0.5, 3).expect("sound options")
+}
+
+fn foliage_of(preset: &Preset) -> Foliage {
+    preset.foliage(Season::Summer).expect("in leaf")
 }
 
 /// Presets in leaf, every so manieth.
@@ -67,27 +72,36 @@ fn no_budget_is_the_dense_model() {
     let leaves = foliage.place(&tree, 1).expect("leaves");
     let asset = small(preset, foliage).with_triangles(None).build(&tree, 1).expect("an asset");
     let bark = Tubes::default().mesh(&tree).expect("bark");
-    assert_eq!((asset.bark(), asset.leaves(), asset.cards()), (&bark, leaves.instances.len(), 0));
+    assert_eq!((asset.leaves(), asset.cards()), (leaves.instances.len(), 0));
+    // The same, in the crown's shade.
+    assert_eq!((&asset.bark().positions, &asset.bark().indices), (&bark.positions, &bark.indices));
+    let plain = small(preset, foliage_of(preset)).with_canopy_shade(0.0).with_triangles(None);
+    assert_eq!(plain.build(&tree, 1).expect("an asset").bark(), &bark);
     assert_eq!(asset.triangles() as u64, bark.triangles().len() as u64 + leaves.part().triangles());
 }
 
 #[test]
 fn levels_are_smaller_and_nested_and_look_alike() {
-    let mut worst = [0.0f32; 2];
+    // Cover and colour where a level's error is a pixel, and where the next level's is.
+    let (mut worst, mut later) = ([0.0f32; 2], [0.0f32; 2]);
     for (preset, foliage) in in_leaf(11) {
         let tree = tree(preset, 4_000);
-        let builder = small(preset, foliage);
+        // Bent normals are a matter of taste, not of likeness; and instances tell which twig they stand for.
+        let builder = small(preset, foliage).with_bent_normals(0.0);
         let dense = builder.clone().with_triangles(None).build(&tree, 1).expect(preset.name);
         let height = dense.bark().bounds().expect("bark").size().y;
         let levels = builder.with_texture_size(512).levels(&tree, 1, &[1.0, 0.3, 0.08]).expect(preset.name);
         assert_eq!(levels.len(), 3, "{}", preset.name);
-        for (level, share) in levels.iter().zip([1.0, 0.3, 0.08]) {
+        let pixels: Vec<f32> = levels.iter().map(|level| level.pixels(height)).collect();
+        for (i, (level, share)) in levels.iter().zip([1.0, 0.3, 0.08]).enumerate() {
             assert!(level.triangles() <= (share * 10_000.0) as usize, "{}", preset.name);
             check(level, preset.name);
-            let pixels = level.pixels(height).clamp(48.0, 240.0) as u32;
-            let like = Likeness::of(&level.parts(), &dense.parts(), pixels).expect(preset.name);
-            println!("{} {} triangles at {pixels} pixels: {like:?}", preset.name, level.triangles());
-            worst = [worst[0].max(like.cover.abs()), worst[1].max(like.color)];
+            for (pixels, worst) in [(Some(&pixels[i]), &mut worst), (pixels.get(i + 1), &mut later)] {
+                let Some(pixels) = pixels.map(|pixels| pixels.clamp(8.0, 400.0) as u32) else { continue };
+                let like = Likeness::of(&level.parts(), &dense.parts(), pixels).expect(preset.name);
+                println!("{} {} triangles at {pixels} pixels: {like:?}", preset.name, level.triangles());
+                *worst = [worst[0].max(like.cover.abs()), worst[1].max(like.color)];
+            }
         }
         for pair in levels.windows(2) {
             assert!(pair[1].triangles() < pair[0].triangles() && pair[1].error() >= pair[0].error());
@@ -108,6 +122,7 @@ fn levels_are_smaller_and_nested_and_look_alike() {
         }
     }
     assert!(worst[0] < 0.03 && worst[1] < 2.0, "cover and colour are off by {worst:?}");
+    assert!(later[0] < 0.08 && later[1] < 2.0, "before the next level comes, they are off by {later:?}");
 }
 
 /// Whether one of these nodes is `node` or above it.
@@ -128,7 +143,7 @@ fn impostors_hide_as_much_as_the_tree() {
     let dense = small(preset, foliage).with_triangles(None).build(&tree, 1).expect("an asset");
     let far =
         Impostor::default().with_texture_size(256).with_lying(true).billboards(&dense.parts()).expect("far");
-    assert_eq!(far.triangles(), 8);
+    assert_eq!(far.triangles(), 16);
     check(&far, "impostor");
     let like = Likeness::of(&far.parts(), &dense.parts(), 64).expect("both are seen");
     assert!(like.cover.abs() < 0.1 && like.color < 4.0, "{like:?}");
@@ -145,6 +160,93 @@ fn impostors_hide_as_much_as_the_tree() {
         let pixels = (0..32 * 32).map(|i| (cell % 8 * 32 + i % 32, cell / 8 * 32 + i / 32));
         let covered = pixels.filter(|(x, y)| all_around.color.pixel(*x, *y)[3] > 0).count();
         assert!(covered > 50, "view {cell} is empty");
+    }
+}
+
+#[test]
+fn crowns_are_round_and_dark_inside() {
+    let (preset, foliage) = in_leaf(1).next().expect("a preset");
+    let tree = tree(preset, 4_000);
+    let builder = small(preset, foliage).with_triangles(Some(6_000));
+    let asset = builder.build(&tree, 1).expect("an asset");
+    let plain =
+        builder.clone().with_bent_normals(0.0).with_canopy_shade(0.0).build(&tree, 1).expect("an asset");
+    let (parts, flat) = (asset.parts(), plain.parts());
+    assert_eq!((asset.leaves(), asset.cards()), (plain.leaves(), plain.cards()));
+    let names = |parts: &[Part<'_>]| parts.iter().map(|part| part.name().to_owned()).collect::<Vec<_>>();
+    assert_eq!(names(&parts), names(&flat));
+    let crown = parts.iter().filter(|part| part.name() != "bark");
+    let points: Vec<(Vec3, Vec3, f32)> = crown
+        .flat_map(|part| {
+            assert!(part.instances().is_none() && part.mesh().colors.len() == part.mesh().positions.len());
+            let mesh = part.mesh();
+            (0..mesh.positions.len()).map(|i| (mesh.positions[i], mesh.normals[i], mesh.colors[i][1]))
+        })
+        .collect();
+    let middle = points.iter().map(|point| point.0).sum::<Vec3>() / points.len() as f32;
+    let reach = points.iter().map(|point| point.0.distance(middle)).fold(0.0, f32::max);
+    let mean = |keep: &dyn Fn(f32) -> bool| {
+        let kept: Vec<f32> =
+            points.iter().filter(|p| keep(p.0.distance(middle) / reach)).map(|p| p.2).collect();
+        kept.iter().sum::<f32>() / kept.len() as f32
+    };
+    let (inside, outside) = (mean(&|at| at < 0.35), mean(&|at| at > 0.8));
+    assert!(inside < 0.9 * outside && inside > 0.3, "{inside} inside, {outside} outside");
+    // Normals look away from the crown's middle, or from the other side of the leaf straight to it.
+    let outward = |points: &mut dyn Iterator<Item = (Vec3, Vec3)>| {
+        let (sum, count) = points.fold((0.0, 0), |(sum, count), (position, normal)| {
+            (sum + (position - middle).normalize_or_zero().dot(normal).abs(), count + 1)
+        });
+        sum / count as f32
+    };
+    let bent = outward(&mut points.iter().map(|point| (point.0, point.1)));
+    let before = outward(&mut flat.iter().filter(|part| part.name() != "bark").flat_map(|part| {
+        let mesh = part.mesh();
+        part.copies().iter().flat_map(move |copy| {
+            let placed = move |i: usize| {
+                (copy.matrix() * mesh.positions[i] + copy.position, copy.rotation_matrix() * mesh.normals[i])
+            };
+            (0..mesh.positions.len()).map(placed)
+        })
+    }));
+    assert!(bent > before + 0.1, "{bent} bent, {before} before");
+    // Bark is darker under leaves, too; colours are in steps that files have.
+    let all = parts.iter().flat_map(|part| &part.mesh().colors).flatten();
+    assert!(all.clone().all(|c| (c * 255.0 - (c * 255.0).round()).abs() < 1e-3) && all.count() > 0);
+    let bark = &asset.bark().colors;
+    assert!(bark.iter().any(|color| color[0] < 0.8) && plain.bark().colors.is_empty());
+}
+
+#[test]
+fn light_from_the_right_comes_from_the_right_on_both_sides_of_a_billboard() {
+    let (mut positions, mut normals, mut indices) = (Vec::new(), Vec::new(), Vec::new());
+    for row in 0..=16u32 {
+        for column in 0..32u32 {
+            let (up, around) = (row as f32 / 16.0 * PI, column as f32 / 16.0 * PI);
+            let normal = Vec3::new(up.sin() * around.cos(), up.cos(), up.sin() * around.sin());
+            normals.push(normal);
+            positions.push(Vec3::Y + normal);
+            if row < 16 {
+                let (a, b) = (row * 32 + column, row * 32 + (column + 1) % 32);
+                indices.extend([a, b, a + 32, b, b + 32, a + 32]);
+            }
+        }
+    }
+    let mesh = treesynth::surface::Mesh::new(positions, normals, indices);
+    let parts = [Part::new(&mesh)];
+    let far = Impostor::default().with_planes(1).with_texture_size(128).billboards(&parts).expect("seen");
+    for yaw in [0.0, PI] {
+        for parts in [&parts[..], &far.parts()] {
+            let image = treesynth::asset::portrait(parts, yaw, 0.0, 64).expect("seen");
+            let mut halves = [0u32; 2];
+            for y in 0..image.height() {
+                for x in 0..image.width() {
+                    let red = u32::from(image.pixel(x, y)[0]);
+                    halves[usize::from(2 * x >= image.width())] += if red < 255 { red } else { 0 };
+                }
+            }
+            assert!(halves[1] * 10 > halves[0] * 11, "from {yaw}: {halves:?}");
+        }
     }
 }
 
@@ -186,6 +288,16 @@ fn bad_input_is_named_or_does_what_it_can() {
         assert!(tiny(least - 1, builder).is_err());
         assert!(tiny(least, builder).expect("the least").triangles() <= least);
     }
+    // Nor has a card, where there is no bark.
+    let bald = oak().place(&thick, 1).expect("leaves");
+    for few in 0..4 {
+        let error = builder.clone().with_triangles(Some(few)).build_with(&pole, std::slice::from_ref(&bald));
+        let Err(AssetError::TooFewTriangles { triangles, least: 4 }) = error else { panic!("{error:?}") };
+        assert_eq!(triangles, few);
+        let error = tiny(few, &builder).expect_err("no bark").to_string();
+        assert!(error.contains("too small"), "{error}");
+    }
+    builder.clone().with_triangles(Some(4)).build_with(&pole, &[bald]).expect("a card");
     assert!(matches!(Tubes::default().within(&thick, 2), Err(SurfaceError::TooFewTriangles { .. })));
     // Radii of zero: no bark and no foliage, but leaves of one's own.
     assert!(builder.build(&pole, 1).is_err() && leafy.build(&pole, 1).is_err());
@@ -216,6 +328,8 @@ fn bad_input_is_named_or_does_what_it_can() {
         builder.clone().with_kinds(0),
         builder.clone().with_kinds(17),
         builder.clone().with_bark_share(f32::NAN),
+        builder.clone().with_canopy_shade(1.1),
+        builder.clone().with_bent_normals(f32::NAN),
         builder.clone().with_bark_textures(Textures::default().with_alpha_cutoff(2.0)),
         leafy.clone().with_leaf_size(Some(33)),
         builder.clone().with_foliage(oak().with_tint_variation(1.0)),

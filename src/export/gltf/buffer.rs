@@ -105,7 +105,7 @@ impl<'a> Buffer<'a> {
             }
             let rounded = match attribute {
                 Attribute::Uv => rounded && mesh.uvs.iter().all(within),
-                Attribute::Color => rounded || tinted,
+                Attribute::Color => rounded || tinted || mesh.colors.iter().all(in_bytes),
                 _ => rounded,
             };
             let view = self.view(Array::Vertices(Vertices { attribute, mesh, copies, grid, rounded }));
@@ -176,6 +176,14 @@ impl<'a> Buffer<'a> {
             format!(r#"{{"buffer":0,"byteOffset":{start},"byteLength":{bytes}{stride}{target}}}"#)
         })
     }
+}
+
+/// Whether 8 bits a channel say all of a colour.
+fn in_bytes(color: &[f32; 3]) -> bool {
+    color.iter().all(|channel| {
+        let steps = (channel.clamp(0.0, 1.0) * 255.0).round();
+        (steps / 255.0).to_bits() == channel.to_bits()
+    })
 }
 
 fn corners([low, high]: [[f32; 3]; 2]) -> String {

@@ -3,6 +3,7 @@
 use super::text::{entry, escaped, numbers, push};
 use crate::export::pool::Pool;
 use crate::export::worn::{self, Image, Textures};
+use crate::parallel;
 use crate::surface::{Material, Part};
 use std::collections::BTreeMap;
 
@@ -94,7 +95,8 @@ impl<'a> Looks<'a> {
 
     /// The images as files, in order.
     pub(super) fn files(&self) -> Vec<Vec<u8>> {
-        self.images.items().iter().map(|image| image.png()).collect()
+        let images = self.images.items();
+        parallel::map(images.len(), |i| images[i].png())
     }
 
     /// Materials, and if there are images, these, textures and a sampler; the first image lies in the buffer view `first`.

@@ -17,6 +17,8 @@ const PADDING: u16 = 0x1986;
 const HEADER: u64 = 30;
 const FIELD: u64 = 4;
 const ALIGNMENT: u64 = 64;
+/// Bytes of a name.
+const LONGEST: usize = 65_000;
 
 /// The length and CRC-32 of what is written to it.
 #[derive(Debug, Clone, Copy)]
@@ -104,7 +106,16 @@ impl Archive {
         let held = |bytes: u64| u32::try_from(bytes).map_err(|_| ExportError::TooLarge { bytes, limit });
         let mut at = 0;
         let mut entries = Vec::new();
-        for (name, sum) in files {
+        for (index, (name, sum)) in files.into_iter().enumerate() {
+            // Files are named after the stage and the parts, with something behind.
+            let parameter = if index == 0 { "UsdStage.name" } else { "Part.name" };
+            let range = "at most 65,000, for a ZIP archive counts the letters of a name in 16 bits";
+            ParameterError::unless(
+                name.len() <= LONGEST,
+                parameter,
+                format!("{} bytes long", name.len()),
+                range,
+            )?;
             let start = at;
             let bare = start + HEADER + name.len() as u64 + FIELD;
             let content = bare.next_multiple_of(ALIGNMENT);

@@ -69,6 +69,13 @@ pub(super) fn write(
     let Some(copies) = part.instances() else {
         return mesh(writer, part, name, material, axes, part.transform(), true);
     };
+    let tinted = copies.iter().any(Instance::is_tinted);
+    // The colours of the prototype's vertices would hide those of the points.
+    if tinted && !part.mesh().colors.is_empty() {
+        let merged = part.mesh().merged(copies).map_err(io::Error::other)?;
+        let whole = Part::new(&merged).with_material(part.material());
+        return mesh(writer, &whole, name, material, axes, part.transform(), true);
+    }
     writeln!(writer, "def PointInstancer \"{name}\"\n{{")?;
     operations(writer, part.transform(), axes)?;
     array(writer, "point3f[] positions", copies, |writer, copy| {
@@ -80,7 +87,6 @@ pub(super) fn write(
     })?;
     array(writer, "\nfloat3[] scales", copies, |writer, copy| triple(writer, [copy.scale; 3]))?;
     array(writer, "\nint[] protoIndices", copies, |writer, _| writer.write_all(b"0"))?;
-    let tinted = copies.iter().any(Instance::is_tinted);
     if tinted {
         let look = Vec3::from_array(part.material().color());
         array(writer, "\ncolor3f[] primvars:displayColor", copies, |writer, copy| {

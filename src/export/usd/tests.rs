@@ -56,6 +56,31 @@ fn instances_turn_with_the_axes() {
 }
 
 #[test]
+fn tints_and_colors_of_a_mesh_are_multiplied() {
+    let mut mesh = triangle();
+    mesh.colors = vec![[1.0, 0.5, 0.5]; 3];
+    let copies = [Instance::IDENTITY, Instance { tint: [0.5, 1.0, 1.0], ..Instance::IDENTITY }];
+    let parts = [Part::new(&mesh).with_instances(&copies).with_material(crate::surface::Material::white())];
+    let text = text(&UsdStage::of_parts(&parts));
+    assert!(!text.contains("PointInstancer") && text.contains("faceVertexIndices = [0, 1, 2, 3, 4, 5]"));
+    let expected = "displayColor = [(1, 0.5, 0.5), (1, 0.5, 0.5), (1, 0.5, 0.5), (0.5, 0.5, 0.5), ";
+    assert!(text.contains(expected), "{text}");
+}
+
+#[test]
+fn names_are_not_longer_than_archives_can_say() {
+    let mesh = triangle();
+    let stage = |letters: usize| UsdStage::of_parts(&[Part::new(&mesh)]).with_name("n".repeat(letters));
+    for letters in [65_531, 70_000, 131_071] {
+        let mut out = Vec::new();
+        let error = write_usdz(&stage(letters), &mut out).expect_err("too long").to_string();
+        assert!(error.starts_with("UsdStage.name") && out.is_empty(), "{error}");
+    }
+    write_usdz(&stage(60_000), io::sink()).expect("not too long");
+    write_usda(&stage(70_000), io::sink()).expect("text has no such limit");
+}
+
+#[test]
 fn the_same_tree_is_one_kind() {
     let meshes = [
         triangle(),

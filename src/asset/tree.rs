@@ -1,0 +1,347 @@
+//! What all levels of one tree share, and how a budget becomes bark, leaves and cards.
+
+use super::atlas::{self, Grid};
+use super::card::{self, Source};
+use super::cluster::{self, Cluster, Leaf};
+use super::fit::{Cards, Look};
+use super::leaf::Dress;
+use super::light::{Crown, in_bytes};
+use super::tangents::with_tangents;
+use super::{Asset, AssetBuilder, AssetError, Piece};
+use crate::foliage::{Canopy, Leaves};
+use crate::random::{self, Purpose};
+use crate::surface::{Instance, Material, Mesh, SurfaceError};
+use crate::texture::Textures;
+use crate::{Bounds, ParameterError, Skeleton};
+use glam::Vec3;
+use std::cell::OnceCell;
+use std::sync::Arc;
+
+/// Leaves that one card stands for at the least, at their mean size.
+const FEWEST: f32 = 6.0;
+/// Images of one leaf.
+const VARIANTS: u32 = 4;
+
+/// All that the levels of one tree share.
+pub(super) struct Tree<'a> {
+    builder: &'a AssetBuilder,
+    skeleton: &'a Skeleton,
+    canopy: Option<Canopy>,
+    dresses: Vec<Dress>,
+    all: Vec<Leaf>,
+    /// The bark of the dense model.
+    pub(super) bark: Mesh,
+    /// Triangles of all leaves.
+    leaf_triangles: usize,
+    look: OnceCell<Option<Look>>,
+}
+
+/// Leaves in groups: the lowest node of each, and each leaf's group.
+pub(super) struct Grouping {
+    roots: Vec<u32>,
+    of: Vec<u32>,
+}
+
+impl<'a> Tree<'a> {
+    pub(super) fn new(
+        builder: &'a AssetBuilder,
+        skeleton: &'a Skeleton,
+        leaves: &'a [Leaves],
+    ) -> Result<Self, AssetError> {
+        builder.check()?;
+        let copies = || leaves.iter().flat_map(|leaves| &leaves.instances);
+        if let Some(copy) = copies().find(|copy| copy.node as usize >= skeleton.len()) {
+            let range = format!("less than {}, the nodes of the skeleton", skeleton.len());
+            return Err(ParameterError::new("Instance.node", copy.node, range).into());
+        }
+        for leaves in leaves {
+            leaves.part().check::<AssetError>()?;
+        }
+        let bark = match builder.tubes.mesh(skeleton) {
+            Ok(mesh) => mesh,
+            // A tree whose wood is not thick at all still has leaves.
+            Err(SurfaceError::NoRadii { .. }) if copies().next().is_some() => Mesh::default(),
+            Err(error) => return Err(error.into()),
+        };
+        let mut dresses = Vec::new();
+        let mut firsts = Vec::new();
+        for leaves in leaves {
+            let of_leaf = Dress::of(&leaves.leaf, builder.leaf_size, VARIANTS)?;
+            firsts.push((dresses.len(), of_leaf.len()));
+            dresses.extend(of_leaf);
+        }
+        let variant = |count: usize, leaf: usize| {
+            (random::unit(0, 4, Purpose::CARDS, leaf as u64) * count as f32) as usize
+        };
+        let mut all = Leaf::all(leaves, |number, leaf| {
+            let (first, count) = firsts[number];
+            (first + variant(count, leaf)) as u32
+        });
+        let canopy = if builder.canopy_shade > 0.0 { Canopy::of(leaves) } else { None };
+        if let Some(canopy) = &canopy {
+            for leaf in &mut all {
+                let factor = canopy.factor(leaf.copy.position, builder.canopy_shade);
+                leaf.copy.tint = leaf.copy.tint.map(|channel| channel * factor);
+            }
+        }
+        let leaf_triangles = leaves.iter().map(|leaves| leaves.part().triangles() as usize).sum();
+        Ok(Self { builder, skeleton, canopy, dresses, all, bark, leaf_triangles, look: OnceCell::new() })
+    }
+
+    pub(super) fn dense_triangles(&self) -> usize {
+        self.bark.triangles().len() + self.leaf_triangles
+    }
+
+    /// The dense model.
+    pub(super) fn dense(&self) -> Asset {
+        let whole = (0..self.all.len()).collect::<Vec<_>>();
+        self.assemble(self.bark.clone(), 0.0, &whole, Vec::new(), None)
+    }
+
+    /// What the dense model looks like; nothing if there is nothing to be seen. It is drawn once for all levels.
+    pub(super) fn look(&self) -> Result<Option<&Look>, AssetError> {
+        if self.look.get().is_none() {
+            let look = match Look::of(&self.dense().parts()) {
+                Ok(look) => Some(look),
+                Err(AssetError::Nothing) => None,
+                Err(error) => return Err(error),
+            };
+            // There is none yet: nobody else is here.
+            let _ = self.look.set(look);
+        }
+        Ok(self.look.get().and_then(Option::as_ref))
+    }
+
+    /// One level: the asset within so many triangles, and its groups of leaves, made of those of a finer one.
+    pub(super) fn level(
+        &self,
+        triangles: Option<usize>,
+        side: u32,
+        finer: Option<&Grouping>,
+    ) -> Result<(Asset, Grouping), AssetError> {
+        let dense = self.dense_triangles();
+        let most = triangles.unwrap_or(dense).min(dense);
+        if most == dense {
+            return Ok((self.bent(self.dense())?, self.regroup(usize::MAX, finer)?));
+        }
+        let (bark, error, kept) = self.bark_within(most)?;
+        let room = most - bark.triangles().len();
+        if self.leaf_triangles <= room {
+            let whole = (0..self.all.len()).collect::<Vec<_>>();
+            let asset = self.assemble(bark, error, &whole, Vec::new(), None);
+            return Ok((self.bent(asset)?, self.regroup(usize::MAX, finer)?));
+        }
+        if room < card::TRIANGLES {
+            let least = bark.triangles().len() + card::TRIANGLES.min(self.leaf_triangles);
+            return Err(AssetError::TooFewTriangles { triangles: most, least });
+        }
+        let grouping = self.regroup(room / card::TRIANGLES, finer)?;
+        let clusters = Cluster::all(self.skeleton, &self.all, &grouping.roots, &grouping.of);
+        let (whole, carded) = self.share(&clusters, room);
+        let (bare, cluster_of) = (self.bare(&kept), self.cluster_of(&grouping.roots));
+        let source = Source {
+            skeleton: self.skeleton,
+            dresses: &self.dresses,
+            all: &self.all,
+            bark: self.builder.wood(),
+            bare: &bare,
+            cluster_of: &cluster_of,
+        };
+        let chosen: Vec<Cluster> = carded.iter().map(|&i| clusters[i].clone()).collect();
+        let (kind_of, models) = cluster::kinds(&chosen, self.builder.kinds as usize);
+        let mut grid = Grid::of(2 * models.len(), 1);
+        grid.cell = (side as usize / grid.columns.max(grid.rows)).max(4 * atlas::PADDING);
+        let models: Vec<(u32, &Cluster)> =
+            models.iter().map(|&i| (carded[i as usize] as u32, &chosen[i as usize])).collect();
+        let kinds = source.kinds(&models, grid);
+        let whole: Vec<usize> =
+            whole.iter().flat_map(|&i| clusters[i].leaves.iter().map(|&leaf| leaf as usize)).collect();
+        let meshes: Vec<Mesh> = kinds.iter().map(|kind| kind.mesh.clone()).collect();
+        let mut asset = self.assemble(bark, error, &whole, meshes, None);
+        Cards { clusters: &chosen, kind_of: &kind_of, kinds: &kinds, grid }.fit(
+            &mut asset,
+            self.bark.bounds().map_or(0.0, |bounds| bounds.size().y),
+            || self.look(),
+        )?;
+        Ok((self.bent(asset)?, grouping))
+    }
+
+    /// Bark of at most its share of so many triangles, its error, and for each branch whether it is there.
+    fn bark_within(&self, most: usize) -> Result<(Mesh, f32, Vec<bool>), AssetError> {
+        let branches = self.skeleton.branches().len();
+        if self.bark.is_empty() {
+            return Ok((Mesh::default(), 0.0, vec![false; branches]));
+        }
+        let has_leaves = self.leaf_triangles > 0;
+        // What leaves do not need is the bark's.
+        let spare = most.saturating_sub(self.leaf_triangles);
+        let share = if has_leaves { (most as f32 * self.builder.bark_share) as usize } else { most };
+        let card = if has_leaves { card::TRIANGLES } else { 0 };
+        let share = share.max(spare).min(most.saturating_sub(card));
+        if self.bark.triangles().len() <= share {
+            return Ok((self.bark.clone(), 0.0, vec![true; branches]));
+        }
+        let tubes = &self.builder.tubes;
+        let within = match tubes.within_keeping(self.skeleton, share) {
+            Err(SurfaceError::TooFewTriangles { least, .. }) if least + card <= most => {
+                tubes.within_keeping(self.skeleton, least)
+            }
+            Err(SurfaceError::TooFewTriangles { least, .. }) => {
+                return Err(AssetError::TooFewTriangles { triangles: most, least: least + card });
+            }
+            other => other,
+        };
+        let (level, kept) = within?;
+        Ok((level.mesh, level.error, kept))
+    }
+
+    /// Groups of leaves for at most so many cards, of leaves or of the groups of a finer level.
+    fn regroup(&self, most: usize, finer: Option<&Grouping>) -> Result<Grouping, AssetError> {
+        let area: f32 = self.all.iter().map(|leaf| leaf.area).sum();
+        let least = FEWEST * area / self.all.len().max(1) as f32;
+        if self.all.is_empty() {
+            return Ok(Grouping { roots: Vec::new(), of: Vec::new() });
+        }
+        let Some(finer) = finer else {
+            let weights: Vec<_> = self.all.iter().map(|leaf| (leaf.copy.node, leaf.area)).collect();
+            let (roots, of) =
+                cluster::group(self.skeleton, &weights, most, least).ok_or(AssetError::Nothing)?;
+            return Ok(Grouping { roots, of });
+        };
+        let mut weights: Vec<(u32, f32)> = finer.roots.iter().map(|&root| (root, 0.0)).collect();
+        for (leaf, &group) in self.all.iter().zip(&finer.of) {
+            weights[group as usize].1 += leaf.area;
+        }
+        let (roots, groups) =
+            cluster::group(self.skeleton, &weights, most, least).ok_or(AssetError::Nothing)?;
+        let of = finer.of.iter().map(|&group| groups[group as usize]).collect();
+        Ok(Grouping { roots, of })
+    }
+
+    /// Which clusters are shown leaf by leaf, and which as cards: first come those farthest out, whose leaves make the
+    /// crown's outline.
+    fn share(&self, clusters: &[Cluster], room: usize) -> (Vec<usize>, Vec<usize>) {
+        let bounds = Bounds::of(clusters.iter().map(|cluster| cluster.middle));
+        let half = (bounds.size() * 0.5).max(Vec3::splat(1e-6));
+        let out: Vec<f32> = clusters
+            .iter()
+            .map(|cluster| ((cluster.middle - bounds.center()) / half).length_squared())
+            .collect();
+        let mut order: Vec<usize> = (0..clusters.len()).collect();
+        order.sort_by(|&i, &j| out[j].total_cmp(&out[i]).then(i.cmp(&j)));
+        let mut left = room - clusters.len() * card::TRIANGLES;
+        let mut whole = 0;
+        for &i in &order {
+            let cost: usize = clusters[i]
+                .leaves
+                .iter()
+                .map(|&leaf| self.dresses[self.all[leaf as usize].dress as usize].mesh.triangles().len())
+                .sum();
+            let more = cost.saturating_sub(card::TRIANGLES);
+            if more > left {
+                break;
+            }
+            left -= more;
+            whole += 1;
+        }
+        let mut cards = order.split_off(whole);
+        order.sort_unstable();
+        cards.sort_unstable();
+        (order, cards)
+    }
+
+    /// For each node whether no bark is about its internode.
+    fn bare(&self, kept: &[bool]) -> Vec<bool> {
+        let mut bare = vec![false; self.skeleton.len()];
+        for (branch, kept) in self.skeleton.branches().iter().zip(kept) {
+            branch.nodes().iter().skip(1).for_each(|&node| bare[node as usize] = !kept);
+        }
+        bare
+    }
+
+    /// For each node the number of the group that it is in.
+    fn cluster_of(&self, roots: &[u32]) -> Vec<u32> {
+        let mut of = vec![u32::MAX; self.skeleton.len()];
+        for (number, &root) in roots.iter().enumerate() {
+            of[root as usize] = number as u32;
+        }
+        for (node, parent) in self.skeleton.edges() {
+            if of[node] == u32::MAX {
+                of[node] = of[parent];
+            }
+        }
+        of
+    }
+
+    /// The asset of this bark, these leaves whole, and cards of these meshes that stand nowhere yet.
+    fn assemble(
+        &self,
+        bark: Mesh,
+        error: f32,
+        whole: &[usize],
+        cards: Vec<Mesh>,
+        textures: Option<Textures>,
+    ) -> Asset {
+        let mut instances: Vec<Vec<Instance>> = vec![Vec::new(); self.dresses.len()];
+        for &leaf in whole {
+            instances[self.all[leaf].dress as usize].push(self.all[leaf].copy);
+        }
+        let leaves = self.dresses.iter().zip(instances).filter(|(_, instances)| !instances.is_empty());
+        let leaves = leaves.map(|(dress, instances)| Piece {
+            name: "leaves",
+            mesh: with_tangents(dress.mesh.clone(), dress.textures.as_deref()),
+            material: dress.material,
+            textures: dress.textures.clone(),
+            instances,
+            bent: None,
+        });
+        // Materials are multiplied with the images, which have all the colour.
+        let material = Material::leaf().with_color([1.0; 3]);
+        let textures = textures.map(Arc::new);
+        let cards = cards.into_iter().map(|mesh| Piece {
+            name: "cards",
+            mesh,
+            material,
+            textures: textures.clone(),
+            instances: Vec::new(),
+            bent: None,
+        });
+        let mut bark = Piece {
+            name: "bark",
+            mesh: self.shaded(bark),
+            material: self.builder.bark,
+            textures: self.builder.bark_textures.clone(),
+            instances: vec![Instance::IDENTITY],
+            bent: None,
+        };
+        let young = self.builder.split(&mut bark, self.skeleton);
+        Asset {
+            bark,
+            young,
+            coats: Vec::new(),
+            leaves: leaves.collect(),
+            cards: cards.collect(),
+            error,
+            crown: None,
+        }
+    }
+
+    /// Bark that is darker within the crown.
+    fn shaded(&self, mut bark: Mesh) -> Mesh {
+        if let Some(canopy) = &self.canopy {
+            let factor = |position: &Vec3| canopy.factor(*position, self.builder.canopy_shade);
+            bark.colors = bark.positions.iter().map(|position| [factor(position); 3]).collect();
+            in_bytes(&mut bark.colors);
+        }
+        bark
+    }
+
+    /// The asset with the normals of leaves and cards bent, if there is a budget: dense models keep their instances.
+    fn bent(&self, mut asset: Asset) -> Result<Asset, AssetError> {
+        let share = self.builder.bent_normals;
+        if share > 0.0 && self.builder.triangles.is_some() && !self.all.is_empty() {
+            asset.bend(Crown { bounds: Bounds::of(self.all.iter().map(|leaf| leaf.middle)), share })?;
+        }
+        Ok(asset)
+    }
+}
