@@ -68,6 +68,7 @@ pub mod presets;
 pub mod preview;
 pub mod radius;
 pub mod random;
+mod recipe;
 pub mod self_organizing;
 pub mod shape;
 pub mod skeleton;

@@ -18,9 +18,23 @@ use crate::ParameterError;
 /// assert!(tornado.at(Vec3::X).y == 1.0 && tornado.at(Vec3::X).z < 0.0);
 /// ```
 #[must_use]
-#[derive(Default)]
-pub struct Sum {
-    terms: Vec<Box<dyn VectorField>>,
+#[derive(Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
+pub struct Sum<F = Box<dyn VectorField>> {
+    terms: Vec<F>,
+}
+
+impl<A> Sum<A> {
+    /// The same of other fields.
+    pub(crate) fn map<B>(self, term: impl FnMut(A) -> B) -> Sum<B> {
+        Sum { terms: self.terms.into_iter().map(term).collect() }
+    }
+}
+
+impl Default for Sum {
+    fn default() -> Self {
+        Self::new()
+    }
 }
 
 impl Sum {
@@ -34,6 +48,13 @@ impl Sum {
         self.terms.push(Box::new(field));
         self
     }
+}
+
+impl<F> Sum<F> {
+    /// The fields.
+    pub fn terms(&self) -> &[F] {
+        &self.terms
+    }
 
     /// Number of fields.
     pub fn len(&self) -> usize {
@@ -46,8 +67,8 @@ impl Sum {
     }
 }
 
-impl From<Vec<Box<dyn VectorField>>> for Sum {
-    fn from(terms: Vec<Box<dyn VectorField>>) -> Self {
+impl<F: VectorField> From<Vec<F>> for Sum<F> {
+    fn from(terms: Vec<F>) -> Self {
         Self { terms }
     }
 }
@@ -58,7 +79,7 @@ impl fmt::Debug for Sum {
     }
 }
 
-impl VectorField for Sum {
+impl<F: VectorField> VectorField for Sum<F> {
     /// O(n) for n fields.
     fn at(&self, point: Vec3) -> Vec3 {
         finite_or_zero(self.terms.iter().map(|term| term.at(point)).sum())
@@ -77,10 +98,13 @@ impl VectorField for Sum {
 /// assert_eq!(Scale::new(Uniform::new(Vec3::Y), -0.5).at(Vec3::ZERO), Vec3::Y * -0.5);
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
 pub struct Scale<F> {
     field: F,
     factor: f32,
 }
+
+crate::recipe::mapped!(Scale { field; factor });
 
 impl<F> Scale<F> {
     /// `field` times `factor`, from 1e-6 to 1e6, or negative to reverse it.

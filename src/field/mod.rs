@@ -24,6 +24,7 @@
 mod combine;
 mod grid;
 mod primitive;
+mod recipe;
 #[cfg(test)]
 mod tests;
 mod whole_tree;
@@ -31,6 +32,7 @@ mod whole_tree;
 pub use combine::{FieldFn, Scale, Sum};
 pub use grid::{GridField, GridFieldError};
 pub use primitive::{Sink, Source, Uniform, Vortex};
+pub use recipe::FieldRecipe;
 pub use whole_tree::{Helix, Rotation, SphericalMeridians};
 
 use std::sync::Arc;

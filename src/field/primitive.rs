@@ -24,6 +24,7 @@ const CORE: f32 = 0.1;
 /// assert_eq!(lean.at(Vec3::splat(7.0)), Vec3::new(0.3, 1.0, 0.0));
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
 pub struct Uniform {
     direction: Vec3,
 }
@@ -58,6 +59,7 @@ impl VectorField for Uniform {
 /// ```
 #[must_use]
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
 pub struct Source {
     center: Vec3,
     strength: f32,
@@ -100,6 +102,7 @@ impl VectorField for Source {
 /// ```
 #[must_use]
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
 pub struct Sink {
     center: Vec3,
     strength: f32,
@@ -147,6 +150,7 @@ impl VectorField for Sink {
 /// ```
 #[must_use]
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
 pub struct Vortex {
     center: Vec3,
     axis: Vec3,

@@ -27,12 +27,18 @@ use crate::{
 /// assert_eq!(helix.at(Vec3::Y), Vec3::Y);
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
 pub struct Helix {
     center: Vec3,
     rise: Rise,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(rename_all = "snake_case", deny_unknown_fields)
+)]
 enum Rise {
     Pitch(f32),
     Angle(f32),
@@ -104,6 +110,7 @@ impl VectorField for Helix {
 /// assert_eq!(arch.at(Vec3::new(-3.0, 3.0, 0.0)), Vec3::NEG_X);
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
 pub struct Rotation {
     center: Vec3,
     axis: Vec3,
@@ -142,6 +149,7 @@ impl VectorField for Rotation {
 /// assert!(onion.at(Vec3::new(1.0, 4.0, 0.0)).abs_diff_eq(Vec3::new(1.0, 1.0, 0.0).normalize(), 1e-6));
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
 pub struct SphericalMeridians {
     center: Vec3,
 }

@@ -5,6 +5,7 @@ use super::refine::Refinement;
 use crate::observer::Observer;
 use crate::parameter::ParameterError;
 use crate::random::{Purpose, derive};
+use crate::shape::Shape;
 use crate::skeleton::Skeleton;
 use glam::Vec3;
 
@@ -32,20 +33,28 @@ use glam::Vec3;
 /// assert!(tree.tips().count() > limbs.tips().count() + 200);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
-#[derive(Debug, Clone)]
-pub struct AroundTree {
+#[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
+pub struct AroundTree<S> {
     tree: Skeleton,
-    refinement: Refinement,
+    refinement: Refinement<S>,
 }
 
-impl AroundTree {
+impl<A> AroundTree<A> {
+    /// The same in another region.
+    pub(crate) fn map<B>(self, region: impl FnOnce(A) -> B) -> AroundTree<B> {
+        AroundTree { tree: self.tree, refinement: self.refinement.map(region) }
+    }
+}
+
+impl<S: Shape> AroundTree<S> {
     /// The surroundings of `tree` that `refinement` names; its region holds the root.
-    pub fn new(tree: Skeleton, refinement: Refinement) -> Self {
+    pub fn new(tree: Skeleton, refinement: Refinement<S>) -> Self {
         Self { tree, refinement }
     }
 }
 
-impl GraphBuilder for AroundTree {
+impl<S: Shape> GraphBuilder for AroundTree<S> {
     fn build(&self, seed: u64, observer: &dyn Observer) -> Result<Graph, GraphError> {
         let carried = self.refinement.carry(&self.tree)?;
         self.refinement.surround(&carried, false, derive(seed, 0, Purpose::NODES), observer)

@@ -17,6 +17,7 @@ mod example;
 mod fork;
 mod graph;
 mod queue;
+mod recipe;
 mod refine;
 mod repair;
 mod rule;
@@ -40,6 +41,9 @@ pub use graph::{
     Edges, GradedYao, Graph, GraphBuilder, GraphError, Lattice, Leader, NearSurface, PointCloud,
     PoissonDelaunay, PoissonSurface, PoissonYao, SizingField, SizingFn, Spacing, SurfaceNodes,
 };
+#[cfg(feature = "json")]
+pub use recipe::RecipeError;
+pub use recipe::{EndpointRecipe, GraphRecipe, Recipe, RuleRecipe, SizingRecipe, StageRecipe, WeightRecipe};
 pub use refine::Refinement;
 pub use rule::{
     Bend, BendAxis, Blend, ByHeight, ByStage, ByTree, FollowField, ForkAngle, GuidingRule, Jitter, Source,

@@ -38,23 +38,16 @@ use std::sync::Arc;
 /// # Ok::<(), treesynth::SynthesisError>(())
 /// ```
 #[must_use]
-#[derive(Clone)]
-pub struct Refinement {
-    region: Arc<dyn Shape>,
+#[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
+pub struct Refinement<S> {
+    region: S,
     spacing: f32,
     reach: u32,
     relaxation: Option<u32>,
 }
 
-impl std::fmt::Debug for Refinement {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.debug_struct("Refinement")
-            .field("spacing", &self.spacing)
-            .field("reach", &self.reach)
-            .field("relaxation", &self.relaxation)
-            .finish_non_exhaustive()
-    }
-}
+crate::recipe::mapped!(Refinement { region; spacing, reach, relaxation });
 
 /// Metres of way a hop makes good, in spacings; edges of the Yao graph are 1.25 spacings long on average.
 const HOP: f32 = 1.3;
@@ -71,12 +64,12 @@ const RELAXATION: u32 = 2;
 /// Nodes in a cube of the spacing.
 const DENSITY: f32 = 0.67;
 
-impl Refinement {
+impl<S: Shape> Refinement<S> {
     /// A graph of nodes `spacing` metres apart, in what of `region` lies within 6 hops of the tree; the tree's kinks
     /// relaxed in two passes. The region holds the root. Half the spacing of the graph before is a good step; a
     /// wider one than before is allowed and makes the graph coarser. At most 2e7 parts of the tree and 2e8 nodes.
-    pub fn new(region: impl Shape + 'static, spacing: f32) -> Self {
-        Self { region: Arc::new(region), spacing, reach: 6, relaxation: None }
+    pub fn new(region: S, spacing: f32) -> Self {
+        Self { region, spacing, reach: 6, relaxation: None }
     }
 
     /// The reach in hops of the finer graph, in [1, 24]: those of the stage's endpoint surface and a margin of two
@@ -91,6 +84,14 @@ impl Refinement {
     pub fn with_relaxation(mut self, passes: u32) -> Self {
         self.relaxation = Some(passes);
         self
+    }
+
+    /// The same with any region, whatever its type.
+    pub(super) fn shared(self) -> Refinement<Arc<dyn Shape>>
+    where
+        S: 'static,
+    {
+        self.map(|region| Arc::new(region) as Arc<dyn Shape>)
     }
 
     pub(super) fn check(&self) -> Result<(), ParameterError> {
@@ -172,7 +173,7 @@ impl Refinement {
             )?;
         }
         let reach = Reach::new(
-            &*self.region,
+            &self.region,
             &carried.positions,
             self.spacing,
             self.reach as f32 * HOP * self.spacing,

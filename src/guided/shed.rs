@@ -24,9 +24,10 @@ use crate::skeleton::{Skeleton, SkeletonError};
 /// ```
 #[must_use]
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
 pub struct Shedding {
-    bare: f32,
-    density: f32,
+    bare_end: f32,
+    least_density: f32,
 }
 
 impl Default for Shedding {
@@ -38,18 +39,18 @@ impl Default for Shedding {
 impl Shedding {
     /// Bare ends of up to 1 m stay, and branches of any density.
     pub fn new() -> Self {
-        Self { bare: 1.0, density: 0.0 }
+        Self { bare_end: 1.0, least_density: 0.0 }
     }
 
     /// The longest end of a branch that bears nothing, metres, above 0.
     pub fn with_bare_end(mut self, metres: f32) -> Self {
-        self.bare = metres;
+        self.bare_end = metres;
         self
     }
 
     /// The fewest tips a metre of a branch longer than the bare end, at least 0.
     pub fn with_least_density(mut self, tips: f32) -> Self {
-        self.density = tips;
+        self.least_density = tips;
         self
     }
 
@@ -58,9 +59,14 @@ impl Shedding {
     /// # Errors
     /// The first that is not.
     pub fn check(&self) -> Result<(), ParameterError> {
-        ParameterError::unless(self.bare > 0.0, "Shedding.bare_end", self.bare, "above 0 m")?;
-        let fits = self.density >= 0.0 && self.density.is_finite();
-        ParameterError::unless(fits, "Shedding.least_density", self.density, "finite and at least 0 a metre")
+        ParameterError::unless(self.bare_end > 0.0, "Shedding.bare_end", self.bare_end, "above 0 m")?;
+        let fits = self.least_density >= 0.0 && self.least_density.is_finite();
+        ParameterError::unless(
+            fits,
+            "Shedding.least_density",
+            self.least_density,
+            "finite and at least 0 a metre",
+        )
     }
 
     /// What stays of a tree, and the number in it of each node that stays, ascending. Orders are worked out anew: where an
@@ -96,10 +102,11 @@ impl Shedding {
                 |from: usize| (from + 1..axis.len()).map(|i| place(i).distance(place(i - 1))).sum::<f32>();
             let last = (1..axis.len()).rev().find(|&i| children.of(axis[i] as usize).len() > 1).unwrap_or(0);
             let whole = length(0);
-            let is_sparse = whole > self.bare && (tips[axis[1] as usize] as f32) < self.density * whole;
+            let is_sparse =
+                whole > self.bare_end && (tips[axis[1] as usize] as f32) < self.least_density * whole;
             if is_sparse {
                 stays[axis[1] as usize] = false;
-            } else if length(last) > self.bare {
+            } else if length(last) > self.bare_end {
                 stays[axis[last + 1] as usize] = false;
             }
         }

@@ -11,6 +11,7 @@ use super::weight::{Guided, WeightFn};
 use crate::observer::{Cancelled, Observer, Silent, Work, report};
 use crate::parameter::ParameterError;
 use crate::radius::{PipeModel, RadiusError, RadiusModel};
+use crate::shape::Shape;
 use crate::skeleton::{Skeleton, SkeletonError};
 use std::sync::Arc;
 
@@ -23,13 +24,13 @@ pub struct Stage {
     pub(super) rule: Arc<dyn GuidingRule>,
     pub(super) weight: Arc<dyn WeightFn>,
     pub(super) endpoints: Arc<dyn EndpointPolicy>,
-    refinement: Option<Refinement>,
+    refinement: Option<Refinement<Arc<dyn Shape>>>,
 }
 
 impl std::fmt::Debug for Stage {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         f.debug_struct("Stage")
-            .field("refinement", &self.refinement)
+            .field("refines", &self.refinement.is_some())
             .field("needs_search", &self.endpoints.needs_search())
             .field("forbids", &self.weight.forbids())
             .finish_non_exhaustive()
@@ -66,8 +67,8 @@ impl Stage {
     }
 
     /// A finer graph around the tree so far, from this stage on.
-    pub fn with_refinement(mut self, refinement: Refinement) -> Self {
-        self.refinement = Some(refinement);
+    pub fn with_refinement(mut self, refinement: Refinement<impl Shape + 'static>) -> Self {
+        self.refinement = Some(refinement.shared());
         self
     }
 

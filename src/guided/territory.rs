@@ -20,11 +20,15 @@ use glam::Vec3;
 /// assert_eq!(weight.weight(&edge(0.0)), 0.0);
 /// ```
 #[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
 pub struct Territory<W> {
     weight: W,
     roots: Vec<Vec3>,
+    #[cfg_attr(feature = "serde", serde(with = "crate::parameter::maybe_infinite"))]
     price: f32,
 }
+
+crate::recipe::mapped!(Territory { weight; roots, price });
 
 impl<W: WeightFn> Territory<W> {
     /// The roots of all trees, metres, and the price a metre: at least 0, and infinite to forbid.

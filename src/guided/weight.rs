@@ -280,39 +280,41 @@ impl WeightFn for Guided {
 /// b above 1 forgives small deviations and punishes large ones; a above 1 prefers many short edges to few long.
 #[must_use]
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
 pub struct GuidedPower {
-    length: f32,
-    deviation: f32,
+    length_exponent: f32,
+    deviation_exponent: f32,
 }
 
 impl GuidedPower {
     /// Both exponents, in [0, 16]: a power of the whole weight.
     pub fn new(exponent: f32) -> Self {
-        Self { length: exponent, deviation: exponent }
+        Self { length_exponent: exponent, deviation_exponent: exponent }
     }
 
     /// The exponent of the edge's length alone, in [0, 16].
     pub fn with_length_exponent(mut self, exponent: f32) -> Self {
-        self.length = exponent;
+        self.length_exponent = exponent;
         self
     }
 
     /// The exponent of the deviation from the guiding vector alone, in [0, 16].
     pub fn with_deviation_exponent(mut self, exponent: f32) -> Self {
-        self.deviation = exponent;
+        self.deviation_exponent = exponent;
         self
     }
 }
 
 impl WeightFn for GuidedPower {
     fn weight(&self, edge: &Edge<'_>) -> f32 {
-        powf(edge.length, self.length) * powf(edge.deviation(), self.deviation)
+        powf(edge.length, self.length_exponent) * powf(edge.deviation(), self.deviation_exponent)
     }
 
     fn check(&self) -> Result<(), ParameterError> {
-        for (parameter, exponent) in
-            [("GuidedPower.length_exponent", self.length), ("GuidedPower.deviation_exponent", self.deviation)]
-        {
+        for (parameter, exponent) in [
+            ("GuidedPower.length_exponent", self.length_exponent),
+            ("GuidedPower.deviation_exponent", self.deviation_exponent),
+        ] {
             ParameterError::unless((0.0..=16.0).contains(&exponent), parameter, exponent, "in [0, 16]")?;
         }
         Ok(())
@@ -333,6 +335,7 @@ impl WeightFn for Length {
 /// deviates from the best of them.
 #[must_use]
 #[derive(Debug, Clone, Default, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
 pub struct Multimodal {
     /// (unit direction, factor of the cost)
     directions: Vec<(Vec3, f32)>,
@@ -406,10 +409,13 @@ impl WeightFn for Multimodal {
 /// assert_eq!(weight.weight(&edge), 0.5);
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
 pub struct Apart<W> {
     weight: W,
     price: f32,
 }
+
+crate::recipe::mapped!(Apart { weight; price });
 
 impl<W: WeightFn> Apart<W> {
     /// `price`, at least 0 and finite, a metre; the paper's weight is 2 a metre against the guiding vector and 0.1 to 0.3
@@ -440,12 +446,16 @@ impl<W: WeightFn> WeightFn for Apart<W> {
 ///
 /// An edge counts as inside when its middle or its end is. An infinite factor forbids the inside: then no node of
 /// a tree lies in the shape (the root excepted), and no edge crosses what is thicker than half of it.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
 pub struct Within<W, S> {
     weight: W,
     shape: S,
+    #[cfg_attr(feature = "serde", serde(with = "crate::parameter::maybe_infinite"))]
     factor: f32,
 }
+
+crate::recipe::mapped!(Within { weight, shape; factor });
 
 impl<W: WeightFn, S: Shape> Within<W, S> {
     /// `factor` times `weight` inside `shape`; at least 0, and infinite to forbid.

@@ -2,7 +2,7 @@
 
 use super::look::{LINDEN, MAPLE, OAK};
 use super::{Preset, Site, degrees, trunk};
-use crate::guided::{Bend, TreeSynth};
+use crate::guided::{Bend, Recipe};
 use crate::shape::{Cuboid, HalfEllipsoid, Shell};
 use glam::Vec3;
 
@@ -26,7 +26,7 @@ pub(super) const PRESETS: &[Preset] = &[
 
 /// "Second-iteration endpoints in a cubic volume, α1 a random value in the range (30°, 120°), h0 = 1 and α2 = 0; in
 /// the remaining iterations (3-5), α1 = 30°, α2 = 0 and h0 = 1."
-fn particles(nodes: usize) -> TreeSynth {
+fn particles(nodes: usize) -> Recipe {
     let site = Site::new(12.0, 12.5, nodes);
     let cube = Cuboid::centered(Vec3::Y * 6.6, Vec3::splat(5.8));
     site.tree(0.4)
@@ -38,7 +38,7 @@ fn particles(nodes: usize) -> TreeSynth {
 }
 
 /// "A half-ellipsoid as the bounding volume, and branches that slightly bend up, akin to figure 6 (d)."
-fn self_organizing(nodes: usize) -> TreeSynth {
+fn self_organizing(nodes: usize) -> Recipe {
     let site = Site::new(12.0, 12.5, nodes);
     let crown = HalfEllipsoid::new(Vec3::Y * 5.4, Vec3::new(3.3, 4.7, 3.3));
     site.tree(0.36)
@@ -50,7 +50,7 @@ fn self_organizing(nodes: usize) -> TreeSynth {
 }
 
 /// "A half-ellipsoid shell for the second-iteration endpoints, and a small rotation angle."
-fn oak(nodes: usize) -> TreeSynth {
+fn oak(nodes: usize) -> Recipe {
     let site = Site::new(14.0, 11.0, nodes);
     let base = Vec3::Y * 4.4;
     let dome = HalfEllipsoid::new(base, Vec3::new(4.6, 5.0, 4.6));

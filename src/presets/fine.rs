@@ -3,7 +3,7 @@
 use super::clothed::{finished, leader, twigs};
 use super::look::{ASH, LINDEN, OAK};
 use super::{Preset, Site, TYPICAL_NODES, degrees};
-use crate::guided::{Bend, GraphBuilder, Refinement, Stage, TreeSynth};
+use crate::guided::{Bend, GraphBuilder, Recipe, Refinement, StageRecipe};
 use crate::shape::{Ellipsoid, HalfEllipsoid, Shell};
 use glam::Vec3;
 
@@ -41,16 +41,16 @@ pub(super) const PRESETS: &[Preset] = &[
 const COARSE: usize = 4;
 
 /// Trunk and limbs on a quarter of the nodes, then twigs at a half and at a quarter of that spacing.
-fn fine(site: Site, trunk: f32, height: f32, limbs: Stage) -> TreeSynth {
+fn fine(site: Site, trunk: f32, height: f32, limbs: StageRecipe) -> Recipe {
     let coarse = Site { nodes: site.nodes / COARSE, ..site }.graph().with_leader(leader(height));
     // An error here is one of `check`, which synthesis reports.
     let spacing = coarse.check().and_then(|()| coarse.spacing()).unwrap_or(f32::NAN);
     // Metres do not depend on the nodes.
     let hop = Site { nodes: TYPICAL_NODES / COARSE, ..site }.graph().spacing().unwrap_or(f32::NAN) * 1.27;
-    let finer = |stage: Stage, share: f32| {
+    let finer = |stage: StageRecipe, share: f32| {
         stage.with_refinement(Refinement::new(site.region(), spacing * share).with_reach(8))
     };
-    let synth = TreeSynth::new(coarse)
+    let synth = Recipe::new(coarse)
         .stage(limbs)
         .stage(finer(twigs(4, hop * 2.0, 0.45), 0.5))
         .stage(finer(twigs(4, hop, 0.28), 0.25))

@@ -2,7 +2,7 @@
 
 use super::clothed::{finished, leader, twigs};
 use super::{Preset, Site, degrees};
-use crate::guided::{Bend, GradedYao, NearSurface, Stage, TreeSynth};
+use crate::guided::{Bend, GradedYao, NearSurface, Recipe, StageRecipe};
 use crate::shape::{Ellipsoid, HalfEllipsoid};
 use glam::Vec3;
 
@@ -23,10 +23,10 @@ pub(super) const PRESETS: &[Preset] = &[
 ];
 
 /// Three times as fine at the crown's surface as 2.5 m off it.
-fn graded(site: Site, trunk: f32, height: f32, crown: Ellipsoid, limbs: Stage) -> TreeSynth {
+fn graded(site: Site, trunk: f32, height: f32, crown: Ellipsoid, limbs: StageRecipe) -> Recipe {
     let sizing = NearSurface::new(crown, 1.0, 3.0, 2.5);
     let graph = GradedYao::new(site.region(), sizing).with_nodes(site.nodes).with_leader(leader(height));
-    let synth = TreeSynth::new(graph)
+    let synth = Recipe::new(graph)
         .stage(limbs)
         .stage(twigs(4, 0.7, 0.45))
         .stage(twigs(4, 0.5, 0.28))

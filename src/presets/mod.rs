@@ -39,7 +39,7 @@ pub use look::Season;
 pub use organized::{Stand, WALL, stand_by_name, stands};
 
 use crate::foliage::Foliage;
-use crate::guided::{Bend, NearestTo, Stage, TreeSynth};
+use crate::guided::{Bend, NearestTo, Recipe, StageRecipe, TreeSynth};
 use crate::radius::{PipeModel, Taper};
 use crate::shape::Ellipsoid;
 use crate::surface::Material;
@@ -66,18 +66,13 @@ pub struct Preset {
     pub partial_stages: Option<usize>,
     /// Whether it lies in the plane z = 0.
     pub planar: bool,
-    build: fn(usize) -> TreeSynth,
+    build: fn(usize) -> Recipe,
     look: Look,
     volume: Option<Ellipsoid>,
 }
 
 impl Preset {
-    const fn new(
-        name: &'static str,
-        figure: u8,
-        caption: &'static str,
-        build: fn(usize) -> TreeSynth,
-    ) -> Self {
+    const fn new(name: &'static str, figure: u8, caption: &'static str, build: fn(usize) -> Recipe) -> Self {
         Self {
             name,
             figure,
@@ -153,7 +148,13 @@ impl Preset {
     /// Angles and endpoints by hops are those of a graph of [`TYPICAL_NODES`], by metres of path: `nodes` changes the
     /// detail, not the tree. Late endpoints are "up to" the figure's count, so that coarse graphs work too.
     pub fn synth(&self, nodes: usize) -> TreeSynth {
-        (self.build)(nodes)
+        self.recipe(nodes).into()
+    }
+
+    /// The pipeline as data, with the seed of the preset's picture: to print, compare, change and save. [`synth`](Self::synth)
+    /// is what it makes.
+    pub fn recipe(&self, nodes: usize) -> Recipe {
+        (self.build)(nodes).with_seed(self.seed)
     }
 }
 
@@ -194,6 +195,6 @@ fn bark(trunk: f32) -> Taper<PipeModel> {
 }
 
 /// "The first iteration is used only to create a trunk (so α = 0)."
-fn trunk(height: f32) -> Stage {
-    Stage::new(Bend::none(), NearestTo::new(Vec3::Y * height))
+fn trunk(height: f32) -> StageRecipe {
+    StageRecipe::new(Bend::none(), NearestTo::new(Vec3::Y * height))
 }

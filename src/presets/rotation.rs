@@ -2,8 +2,8 @@
 
 use super::look::{ASH, CHESTNUT, HAZEL, LINDEN, MAPLE, POPLAR};
 use super::{Preset, Site, degrees, trunk};
-use crate::field::{Helix, Rotation, SphericalMeridians, VectorField};
-use crate::guided::{Bend, Count, FollowField, InShape, Stage, TreeSynth};
+use crate::field::{FieldRecipe, Helix, Rotation, SphericalMeridians};
+use crate::guided::{Bend, Count, FollowField, InShape, Recipe, StageRecipe};
 use crate::shape::{Ellipsoid, HalfEllipsoid, Shell};
 use glam::Vec3;
 
@@ -60,7 +60,7 @@ pub(super) const PRESETS: &[Preset] = &[
 ];
 
 /// Many endpoints in the first iteration: no trunk.
-fn shrub(nodes: usize, first: Bend) -> TreeSynth {
+fn shrub(nodes: usize, first: Bend) -> Recipe {
     let site = Site::new(15.0, 11.0, nodes);
     let crown = Shell::new(HalfEllipsoid::new(Vec3::Y * 3.0, Vec3::new(5.0, 6.0, 5.0)), 0.6);
     site.tree(0.45)
@@ -71,7 +71,7 @@ fn shrub(nodes: usize, first: Bend) -> TreeSynth {
 }
 
 /// Figure 6: one trunk, a round crown, five iterations; only the second's rule differs.
-fn round_tree(nodes: usize, second: Bend) -> TreeSynth {
+fn round_tree(nodes: usize, second: Bend) -> Recipe {
     let site = Site::new(12.0, 12.5, nodes);
     let crown = Ellipsoid::new(Vec3::Y * 6.8, Vec3::new(3.2, 3.0, 3.2));
     site.tree(0.36)
@@ -83,11 +83,11 @@ fn round_tree(nodes: usize, second: Bend) -> TreeSynth {
 }
 
 /// The ash of figure 6 (c) and of all of figure 15.
-pub(super) fn ash(nodes: usize) -> TreeSynth {
+pub(super) fn ash(nodes: usize) -> Recipe {
     round_tree(nodes, Bend::random(degrees(30.0), degrees(120.0), 0.0, 1))
 }
 
-pub(super) fn elm(nodes: usize) -> TreeSynth {
+pub(super) fn elm(nodes: usize) -> Recipe {
     let site = Site::new(14.0, 11.5, nodes);
     let crown = HalfEllipsoid::new(Vec3::Y * 4.0, Vec3::new(4.8, 5.5, 4.8));
     site.tree(0.45)
@@ -98,13 +98,13 @@ pub(super) fn elm(nodes: usize) -> TreeSynth {
 }
 
 /// All four iterations follow the field. The crown's centre is `aside` metres off the root.
-fn field_tree(nodes: usize, aside: f32, field: impl VectorField + Copy + 'static) -> TreeSynth {
+fn field_tree(nodes: usize, aside: f32, field: impl Into<FieldRecipe>) -> Recipe {
     let crown = Ellipsoid::new(Vec3::new(aside, 5.8, 0.0), Vec3::new(3.8, 3.6, 3.8));
-    let rule = FollowField::new(field);
+    let rule: FollowField<FieldRecipe> = FollowField::new(field.into());
     let site = Site::new(13.0, 11.5, nodes);
     site.tree(0.4)
-        .stage(Stage::new(rule.clone(), InShape::poisson_disc(crown, Count::UpTo(45))))
-        .stage(Stage::new(rule.clone(), site.surface(3, 400)))
-        .stage(Stage::new(rule.clone(), site.surface(2, 1500)))
-        .stage(Stage::new(rule, site.surface(2, 4000)))
+        .stage(StageRecipe::new(rule.clone(), InShape::poisson_disc(crown, Count::UpTo(45))))
+        .stage(StageRecipe::new(rule.clone(), site.surface(3, 400)))
+        .stage(StageRecipe::new(rule.clone(), site.surface(2, 1500)))
+        .stage(StageRecipe::new(rule, site.surface(2, 4000)))
 }

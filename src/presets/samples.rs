@@ -2,7 +2,7 @@
 
 use super::look::{ASH, LINDEN, POPLAR};
 use super::{Preset, Site, degrees, rotation, trunk, variety};
-use crate::guided::{Bend, TreeSynth};
+use crate::guided::{Bend, Recipe};
 use crate::shape::Ellipsoid;
 use glam::Vec3;
 
@@ -25,7 +25,7 @@ pub(super) const ITERATIONS: &[Preset] = &[Preset::new(
 )
 .like(LINDEN)];
 
-fn four_iterations(nodes: usize) -> TreeSynth {
+fn four_iterations(nodes: usize) -> Recipe {
     let crown = Ellipsoid::new(Vec3::Y * 6.6, Vec3::new(3.4, 3.1, 3.4));
     let site = Site::new(12.5, 12.0, nodes);
     site.tree(0.4)

@@ -1,8 +1,8 @@
 //! Where the tree of a figure stands, and what a hop is there.
 
 use super::{TYPICAL_NODES, bark, fork};
-use crate::guided::{Bend, Count, HopSurface, InShape, PoissonYao, Stage, TreeSynth};
-use crate::shape::{Cuboid, Shape};
+use crate::guided::{Bend, Count, HopSurface, InShape, PoissonYao, Recipe, StageRecipe};
+use crate::shape::{Cuboid, ShapeRecipe};
 use glam::Vec3;
 
 /// A box on the ground, metres, to be filled with about so many nodes.
@@ -26,7 +26,7 @@ impl Site {
         Cuboid::new(Vec3::new(-half, 0.0, -half), Vec3::new(half, self.height, half))
     }
 
-    pub(super) fn graph(self) -> PoissonYao {
+    pub(super) fn graph(self) -> PoissonYao<Cuboid> {
         PoissonYao::new(self.region()).with_nodes(self.nodes)
     }
 
@@ -51,21 +51,24 @@ impl Site {
     }
 
     /// No stages yet; radii for a trunk so many metres across.
-    pub(super) fn tree(self, trunk: f32) -> TreeSynth {
-        TreeSynth::new(self.graph()).with_radius(bark(trunk))
+    pub(super) fn tree(self, trunk: f32) -> Recipe {
+        Recipe::new(self.graph()).with_radius(bark(trunk))
     }
 
     /// Branches to endpoints spread in a crown.
-    pub(super) fn limbs(self, rule: Bend, crown: impl Shape + 'static, count: usize) -> Stage {
-        Stage::new(self.by_length(rule), InShape::poisson_disc(crown, Count::UpTo(count)))
+    pub(super) fn limbs(self, rule: Bend, crown: impl Into<ShapeRecipe>, count: usize) -> StageRecipe {
+        StageRecipe::new(
+            self.by_length(rule),
+            InShape::<ShapeRecipe>::poisson_disc(crown.into(), Count::UpTo(count)),
+        )
     }
 
     /// Twigs to endpoints on a surface.
-    pub(super) fn twigs(self, hops: u32, count: usize) -> Stage {
-        Stage::new(fork(), self.surface(hops, count))
+    pub(super) fn twigs(self, hops: u32, count: usize) -> StageRecipe {
+        StageRecipe::new(fork(), self.surface(hops, count))
     }
 
-    pub(super) fn outer_twigs(self, hops: u32, count: usize, outermost: f32) -> Stage {
-        Stage::new(fork(), self.surface(hops, count).with_outermost(outermost))
+    pub(super) fn outer_twigs(self, hops: u32, count: usize, outermost: f32) -> StageRecipe {
+        StageRecipe::new(fork(), self.surface(hops, count).with_outermost(outermost))
     }
 }

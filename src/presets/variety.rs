@@ -3,7 +3,7 @@
 use super::look::{ASH, BARE, BIRCH, HAZEL, LINDEN, OAK, POPLAR, SPRUCE};
 use super::rotation::ash;
 use super::{Preset, Site, degrees, fork, trunk};
-use crate::guided::{Bend, ByHeight, Count, InShape, Side, SourceElevation, Stage, TreeSynth};
+use crate::guided::{Bend, ByHeight, Count, InShape, Recipe, Side, SourceElevation, StageRecipe};
 use crate::shape::{Cone, Cylinder, Ellipsoid, HalfEllipsoid, Union};
 use glam::Vec3;
 
@@ -54,7 +54,7 @@ pub(super) const PRESETS: &[Preset] = &[
 
 /// Figure 16: crowns lower and lower and wider and wider. Of equal volume, the last would be as high as the one before:
 /// with θ = 32° its limbs rise a metre above their endpoints on their way out. So the volume falls a little with the aspect.
-fn crown(nodes: usize, aspect: f32, theta: f32) -> TreeSynth {
+fn crown(nodes: usize, aspect: f32, theta: f32) -> Recipe {
     // An exponent of 2/3 would keep the volume, 1 the width.
     let height = 6.4 * crate::math::powf(aspect / 0.9, 0.92);
     let width = height / aspect;
@@ -68,17 +68,17 @@ fn crown(nodes: usize, aspect: f32, theta: f32) -> TreeSynth {
         .stage(site.twigs(1, 3500))
 }
 
-fn clusters(nodes: usize) -> TreeSynth {
+fn clusters(nodes: usize) -> Recipe {
     let site = Site::new(12.0, 11.5, nodes);
     let dome = HalfEllipsoid::new(Vec3::Y * 5.6, Vec3::new(3.6, 4.0, 3.6));
     site.tree(0.45)
         .stage(site.limbs(Bend::piecewise(degrees(6.0), degrees(-4.0), 12), dome, 9))
-        .stage(Stage::new(fork(), site.surface(4, 60).with_outermost(0.4)))
+        .stage(StageRecipe::new(fork(), site.surface(4, 60).with_outermost(0.4)))
         .stage(site.outer_twigs(2, 1500, 0.5))
         .stage(site.outer_twigs(2, 3000, 0.5))
 }
 
-fn two_habits(nodes: usize) -> TreeSynth {
+fn two_habits(nodes: usize) -> Recipe {
     let site = Site::new(12.0, 12.0, nodes);
     let oval = Ellipsoid::new(Vec3::Y * 6.4, Vec3::new(3.2, 3.5, 3.2));
     let drooping = site.by_length(Bend::constant(degrees(8.0)));
@@ -86,26 +86,27 @@ fn two_habits(nodes: usize) -> TreeSynth {
     let rule = ByHeight::new(5.8, drooping, rising);
     site.tree(0.4)
         .stage(trunk(8.8))
-        .stage(Stage::new(rule, InShape::poisson_disc(oval, Count::UpTo(100))))
+        .stage(StageRecipe::new(rule, InShape::poisson_disc(oval, Count::UpTo(100))))
         .stage(site.twigs(2, 500))
         .stage(site.twigs(2, 2000))
         .stage(site.twigs(1, 3500))
 }
 
-fn spindle(nodes: usize) -> TreeSynth {
+fn spindle(nodes: usize) -> Recipe {
     let site = Site::new(7.0, 11.0, nodes);
     let narrow = Cone::new(Vec3::Y * 1.6, 1.6, 8.2);
     site.tree(0.3)
         .stage(trunk(9.6))
         .stage(site.limbs(Bend::piecewise(degrees(90.0), 0.0, 1), narrow, 110))
-        .stage(Stage::new(Bend::piecewise(degrees(20.0), 0.0, 1), site.surface(3, 260)))
+        .stage(StageRecipe::new(Bend::piecewise(degrees(20.0), 0.0, 1), site.surface(3, 260)))
 }
 
-pub(super) fn cottonwood(nodes: usize) -> TreeSynth {
+pub(super) fn cottonwood(nodes: usize) -> Recipe {
     let site = Site::new(15.0, 11.5, nodes);
     let broad = HalfEllipsoid::new(Vec3::Y * 4.0, Vec3::new(5.2, 5.4, 5.2));
-    let higher =
-        |hops, count| Stage::new(fork(), site.surface(hops, count).with_outermost(0.5).only(Side::Higher));
+    let higher = |hops, count| {
+        StageRecipe::new(fork(), site.surface(hops, count).with_outermost(0.5).only(Side::Higher))
+    };
     site.tree(0.6)
         .stage(site.limbs(Bend::piecewise(degrees(5.0), degrees(-2.0), 10), broad, 14))
         .stage(higher(5, 90))
@@ -117,30 +118,33 @@ fn steepening(rule: Bend, top: f32) -> SourceElevation<Bend> {
     SourceElevation::new(rule, [degrees(100.0), degrees(25.0)], [1.5, top])
 }
 
-fn steepening_cone(nodes: usize) -> TreeSynth {
+fn steepening_cone(nodes: usize) -> Recipe {
     let site = Site::new(10.0, 11.5, nodes);
     let rule = steepening(site.by_length(Bend::constant(degrees(1.0))), 9.0);
     site.tree(0.35)
         .stage(trunk(9.8))
-        .stage(Stage::new(rule, InShape::poisson_disc(Cone::new(Vec3::Y * 2.2, 3.0, 8.2), Count::UpTo(130))))
+        .stage(StageRecipe::new(
+            rule,
+            InShape::poisson_disc(Cone::new(Vec3::Y * 2.2, 3.0, 8.2), Count::UpTo(130)),
+        ))
         .stage(site.twigs(2, 600))
         .stage(site.twigs(1, 2200))
         .stage(site.twigs(1, 3500))
 }
 
-fn steepening_oval(nodes: usize) -> TreeSynth {
+fn steepening_oval(nodes: usize) -> Recipe {
     let site = Site::new(10.0, 12.5, nodes);
     let oval = Ellipsoid::new(Vec3::Y * 6.9, Vec3::new(2.5, 3.4, 2.5));
     let rule = steepening(site.by_length(Bend::constant(degrees(-3.0))), 9.0);
     site.tree(0.35)
         .stage(trunk(8.0))
-        .stage(Stage::new(rule, InShape::poisson_disc(oval, Count::UpTo(90))))
+        .stage(StageRecipe::new(rule, InShape::poisson_disc(oval, Count::UpTo(90))))
         .stage(site.twigs(2, 500))
         .stage(site.twigs(2, 2000))
         .stage(site.twigs(1, 3500))
 }
 
-fn upright_shrub(nodes: usize) -> TreeSynth {
+fn upright_shrub(nodes: usize) -> Recipe {
     let site = Site::new(10.0, 10.0, nodes);
     let oval = HalfEllipsoid::new(Vec3::Y * 2.4, Vec3::new(2.7, 5.6, 2.7));
     site.tree(0.35)
@@ -150,7 +154,7 @@ fn upright_shrub(nodes: usize) -> TreeSynth {
         .stage(site.twigs(1, 3500))
 }
 
-fn spreading_shrub(nodes: usize) -> TreeSynth {
+fn spreading_shrub(nodes: usize) -> Recipe {
     let site = Site::new(13.0, 8.0, nodes);
     let dome = HalfEllipsoid::new(Vec3::Y * 0.8, Vec3::new(4.4, 4.6, 4.4));
     site.tree(0.35)
@@ -160,7 +164,7 @@ fn spreading_shrub(nodes: usize) -> TreeSynth {
         .stage(site.twigs(1, 3500))
 }
 
-fn birch(nodes: usize) -> TreeSynth {
+fn birch(nodes: usize) -> Recipe {
     let site = Site::new(10.0, 11.5, nodes);
     let fork_tops = Cylinder::new(Vec3::Y * 8.2, 1.2, 0.8);
     let crown = Union::new(
@@ -175,7 +179,7 @@ fn birch(nodes: usize) -> TreeSynth {
         .stage(site.twigs(1, 3500))
 }
 
-fn zelkova(nodes: usize) -> TreeSynth {
+fn zelkova(nodes: usize) -> Recipe {
     let site = Site::new(12.0, 11.0, nodes);
     let vase = HalfEllipsoid::new(Vec3::Y * 5.0, Vec3::new(4.2, 4.6, 4.2));
     site.tree(0.5)

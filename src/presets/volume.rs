@@ -2,8 +2,8 @@
 
 use super::look::{LINDEN, MAPLE, POPLAR, WILLOW};
 use super::{Preset, Site, degrees, fork, trunk};
-use crate::guided::{Bend, Side, Stage, TreeSynth};
-use crate::shape::{Cone, Cuboid, Ellipsoid, HalfEllipsoid, Shape};
+use crate::guided::{Bend, Recipe, Side, StageRecipe};
+use crate::shape::{Cone, Cuboid, Ellipsoid, HalfEllipsoid, ShapeRecipe};
 use glam::Vec3;
 
 pub(super) const PRESETS: &[Preset] = &[
@@ -77,7 +77,7 @@ pub(super) const PRESETS: &[Preset] = &[
 const TALL: Ellipsoid = Ellipsoid::new(Vec3::new(0.0, 6.4, 0.0), Vec3::new(2.1, 3.8, 2.1));
 const WIDE: Ellipsoid = Ellipsoid::new(Vec3::new(0.0, 7.4, 0.0), Vec3::new(4.2, 1.8, 4.2));
 
-fn bounded(nodes: usize, volume: impl Shape + 'static) -> TreeSynth {
+fn bounded(nodes: usize, volume: impl Into<ShapeRecipe>) -> Recipe {
     let site = Site::new(12.0, 12.0, nodes);
     site.tree(0.4)
         .stage(site.limbs(Bend::piecewise(degrees(5.0), degrees(-3.0), 12), volume, 60))
@@ -86,7 +86,7 @@ fn bounded(nodes: usize, volume: impl Shape + 'static) -> TreeSynth {
         .stage(site.twigs(1, 3500))
 }
 
-fn crowned(nodes: usize, crown: Ellipsoid, height: f32) -> TreeSynth {
+fn crowned(nodes: usize, crown: Ellipsoid, height: f32) -> Recipe {
     let site = Site::new(12.5, 12.5, nodes);
     site.tree(0.36)
         .stage(trunk(height))
@@ -96,7 +96,7 @@ fn crowned(nodes: usize, crown: Ellipsoid, height: f32) -> TreeSynth {
         .stage(site.twigs(1, 3500))
 }
 
-fn excluded(nodes: usize, outermost: f32) -> TreeSynth {
+fn excluded(nodes: usize, outermost: f32) -> Recipe {
     let site = Site::new(12.5, 12.5, nodes);
     let crown = Ellipsoid::new(Vec3::Y * 6.8, Vec3::new(3.3, 2.9, 3.3));
     site.tree(0.4)
@@ -107,12 +107,12 @@ fn excluded(nodes: usize, outermost: f32) -> TreeSynth {
         .stage(site.outer_twigs(1, 3000, outermost))
 }
 
-fn hanging(nodes: usize) -> TreeSynth {
+fn hanging(nodes: usize) -> Recipe {
     let site = Site::new(13.0, 11.5, nodes);
     let crown = HalfEllipsoid::new(Vec3::Y * 5.5, Vec3::new(3.8, 4.2, 3.8));
     let lower = |hops, count| {
         let endpoints = site.surface(hops, count).with_outermost(0.9).only(Side::Lower);
-        Stage::new(site.by_length(Bend::piecewise(degrees(120.0), degrees(6.0), 1)), endpoints)
+        StageRecipe::new(site.by_length(Bend::piecewise(degrees(120.0), degrees(6.0), 1)), endpoints)
     };
     site.tree(0.4)
         .stage(trunk(7.0))
@@ -122,12 +122,12 @@ fn hanging(nodes: usize) -> TreeSynth {
         .stage(lower(3, 2500))
 }
 
-fn dense(nodes: usize, [first, second, third]: [usize; 3]) -> TreeSynth {
+fn dense(nodes: usize, [first, second, third]: [usize; 3]) -> Recipe {
     let site = Site::new(12.0, 12.0, nodes);
     let crown = HalfEllipsoid::new(Vec3::Y * 4.8, Vec3::new(3.4, 4.8, 3.4));
     site.tree(0.36)
         .stage(trunk(8.4))
         .stage(site.limbs(Bend::piecewise(degrees(60.0), degrees(-1.0), 1), crown, first))
-        .stage(Stage::new(fork(), site.surface(3, second)))
+        .stage(StageRecipe::new(fork(), site.surface(3, second)))
         .stage(site.twigs(2, third))
 }

@@ -12,6 +12,7 @@
 
 mod energy;
 mod pipe;
+mod recipe;
 #[cfg(test)]
 pub(crate) mod sample;
 mod stout;
@@ -20,6 +21,7 @@ mod variational;
 
 pub use energy::structure_energy;
 pub use pipe::{Calibration, PipeModel};
+pub use recipe::RadiusRecipe;
 pub use stout::Stout;
 pub use taper::Taper;
 pub use variational::{Support, Variational};

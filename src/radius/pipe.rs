@@ -25,6 +25,7 @@ use crate::{ParameterError, Skeleton};
 /// ```
 #[must_use]
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
 pub struct PipeModel {
     exponent: f32,
     calibration: Calibration,
@@ -32,6 +33,11 @@ pub struct PipeModel {
 
 /// Which diameter is known, so that the proportions of the pipe model become metres.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(rename_all = "snake_case", deny_unknown_fields)
+)]
 #[non_exhaustive]
 pub enum Calibration {
     /// Every tip has this diameter, metres; a tree of more tips is thicker.

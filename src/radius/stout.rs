@@ -19,16 +19,19 @@ use crate::{ParameterError, Skeleton};
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
 pub struct Stout<M> {
     inner: M,
-    slenderness: f32,
+    share: f32,
 }
+
+crate::recipe::mapped!(Stout { inner; share });
 
 impl<M: RadiusModel> Stout<M> {
     /// A diameter of at least `share` of the way along the branches to the farthest tip, in [0, 1]; internodes count
     /// from their lower end. The root has the radius of the thickest that leaves it.
     pub fn new(inner: M, share: f32) -> Self {
-        Self { inner, slenderness: share }
+        Self { inner, share }
     }
 
     /// The model inside.
@@ -48,15 +51,15 @@ impl<M: RadiusModel> RadiusModel for Stout<M> {
         for (node, parent) in skeleton.edges().rev() {
             let from_base = reach[node] + at(node).distance(at(parent));
             reach[parent] = reach[parent].max(from_base);
-            radii[node] = radii[node].max((from_base * f64::from(self.slenderness) * 0.5) as f32);
+            radii[node] = radii[node].max((from_base * f64::from(self.share) * 0.5) as f32);
             radii[parent] = radii[parent].max(radii[node]);
         }
         Ok(radii)
     }
 
     fn check(&self) -> Result<(), ParameterError> {
-        let fits = (0.0..=1.0).contains(&self.slenderness);
-        ParameterError::unless(fits, "Stout.share", self.slenderness, "in [0, 1]")?;
+        let fits = (0.0..=1.0).contains(&self.share);
+        ParameterError::unless(fits, "Stout.share", self.share, "in [0, 1]")?;
         self.inner.check()
     }
 }

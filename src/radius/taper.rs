@@ -27,11 +27,14 @@ use crate::{ParameterError, Skeleton};
 /// ```
 #[must_use]
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
 pub struct Taper<M> {
     inner: M,
     fraction: f32,
     tip_fraction: f32,
 }
+
+crate::recipe::mapped!(Taper { inner; fraction, tip_fraction });
 
 impl<M: RadiusModel> Taper<M> {
     /// Narrows what `inner` gives: fully between forks, and to 0.3 of a twig's radius at its tip. Both are our

@@ -38,6 +38,7 @@ use crate::{ParameterError, Skeleton};
 /// ```
 #[must_use]
 #[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
 pub struct Variational {
     exponent: f32,
     support: Support,
@@ -47,6 +48,11 @@ pub struct Variational {
 
 /// How much area each tip supports.
 #[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(rename_all = "snake_case", deny_unknown_fields)
+)]
 #[non_exhaustive]
 pub enum Support {
     /// The same for every tip.

@@ -18,10 +18,13 @@ use crate::ParameterError;
 /// assert!(bonsai.contains(Vec3::new(0.0, 0.55, 0.0)) && !bonsai.contains(Vec3::ZERO));
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
 pub struct Union<A, B> {
     first: A,
     second: B,
 }
+
+crate::recipe::mapped!(Union { first, second; });
 
 impl<A, B> Union<A, B> {
     /// All of both shapes.
@@ -87,10 +90,13 @@ impl<A: Shape, B: Shape> Shape for Union<A, B> {
 /// assert!((half.volume() / ball.volume() - 0.5).abs() < 0.01);
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
 pub struct Intersection<A, B> {
     first: A,
     second: B,
 }
+
+crate::recipe::mapped!(Intersection { first, second; });
 
 impl<A, B> Intersection<A, B> {
     /// What both shapes share.
@@ -133,10 +139,13 @@ impl<A: Shape, B: Shape> Shape for Intersection<A, B> {
 /// assert!(crown.contains(Vec3::new(2.0, 4.0, 0.0)) && !pruned.contains(Vec3::new(2.0, 4.0, 0.0)));
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
 pub struct Difference<A, B> {
     kept: A,
     removed: B,
 }
+
+crate::recipe::mapped!(Difference { kept, removed; });
 
 impl<A, B> Difference<A, B> {
     /// All of `kept` that is not in `removed`.
@@ -176,10 +185,13 @@ impl<A: Shape, B: Shape> Shape for Difference<A, B> {
 /// assert_eq!(raised.volume(), crown.volume());
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
 pub struct Translated<S> {
     shape: S,
     offset: Vec3,
 }
+
+crate::recipe::mapped!(Translated { shape; offset });
 
 impl<S> Translated<S> {
     /// `shape` moved by `offset`, metres, at most 1e6 along each axis.

@@ -18,6 +18,7 @@ use crate::{ParameterError, math};
 /// assert!(!spruce.contains(Vec3::new(1.1, 5.0, 0.0)));
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
 pub struct Cone {
     base_center: Vec3,
     radius: f32,
@@ -90,6 +91,7 @@ impl Shape for Cone {
 /// assert_eq!(poplar.bounds().max, Vec3::new(1.0, 13.0, 1.0));
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
 pub struct Cylinder {
     base_center: Vec3,
     radius: f32,

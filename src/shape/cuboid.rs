@@ -16,6 +16,7 @@ use crate::ParameterError;
 /// assert!(Cuboid::new(Vec3::ONE, Vec3::ZERO).check().is_err());
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
 pub struct Cuboid {
     min: Vec3,
     max: Vec3,

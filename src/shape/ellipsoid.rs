@@ -18,6 +18,7 @@ use crate::{ParameterError, math};
 /// assert!((crown.volume() - 33.51).abs() < 0.01);
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
 pub struct Sphere {
     center: Vec3,
     radius: f32,
@@ -77,6 +78,7 @@ impl Shape for Sphere {
 /// assert!(!crown.contains(Vec3::new(1.9, 8.9, 0.0)));
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
 pub struct Ellipsoid {
     center: Vec3,
     radii: Vec3,
@@ -137,6 +139,7 @@ impl Shape for Ellipsoid {
 /// assert!(crown.contains(Vec3::new(0.0, 2.0, 5.0)) && !crown.contains(Vec3::new(0.0, 1.9, 0.0)));
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
 pub struct HalfEllipsoid {
     base_center: Vec3,
     radii: Vec3,

@@ -20,6 +20,7 @@ mod drawing;
 mod ellipsoid;
 mod mesh;
 mod outline;
+mod recipe;
 mod shell;
 mod sketch;
 #[cfg(test)]
@@ -37,6 +38,7 @@ pub use mesh::{Flaws, TriangleMesh, TriangleMeshError};
 #[cfg(feature = "import")]
 pub use mesh::{Import, MeshFormat};
 pub use outline::{Extrusion, Outline};
+pub use recipe::ShapeRecipe;
 pub use shell::Shell;
 pub use sketch::{CrossProfile, Sketch};
 pub use up::UpAxis;

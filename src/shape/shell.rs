@@ -25,11 +25,14 @@ use crate::ParameterError;
 /// ```
 #[must_use]
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
 pub struct Shell<S> {
     shape: S,
     thickness: f32,
     about: Vec3,
 }
+
+crate::recipe::mapped!(Shell { shape; thickness, about });
 
 impl<S: Shape> Shell<S> {
     /// The outermost `thickness` of `shape`, a fraction of the way to the middle of its bounds: from 0.001,

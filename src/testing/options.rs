@@ -147,7 +147,7 @@ impl StageOptions {
 
 impl Options {
     /// The graph builder.
-    pub fn builder(&self) -> PoissonYao {
+    pub fn builder(&self) -> PoissonYao<Region> {
         let builder = PoissonYao::new(self.region.clone()).with_nodes(self.nodes).with_sectors(self.sectors);
         if self.planar { builder.planar() } else { builder }
     }

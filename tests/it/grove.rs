@@ -42,7 +42,7 @@ fn stages(synth: TreeSynth, feet: &[Vec3]) -> TreeSynth {
         .stage(own(Stage::new(twig(), along(2, 0.4))))
 }
 
-fn graph_of(feet: Vec<Vec3>) -> PoissonYao {
+fn graph_of(feet: Vec<Vec3>) -> PoissonYao<Cuboid> {
     PoissonYao::new(plot())
         .with_nodes(300_000)
         .with_roots(feet)
@@ -192,7 +192,7 @@ fn hold_grove(graph: &Graph, growths: &[Growth]) {
     }
 }
 
-fn small(feet: &[Vec3], nodes: usize) -> PoissonYao {
+fn small(feet: &[Vec3], nodes: usize) -> PoissonYao<Cuboid> {
     let region = Cuboid::new(Vec3::new(-3.0, 0.0, -3.0), Vec3::new(3.0, 5.0, 3.0));
     PoissonYao::new(region).with_nodes(nodes).with_roots(feet)
 }

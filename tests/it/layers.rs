@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 
 /// From left to right; modules in one entry do not import from each other.
 const LAYERS: &[&[&str]] = &[
-    &["math", "random", "parameter", "observer", "parallel", "text"],
+    &["math", "random", "parameter", "observer", "parallel", "text", "recipe"],
     &["nearest", "ply"],
     &["shape", "field"],
     &["skeleton", "cloud"],

@@ -38,6 +38,7 @@ mod phenomena;
 mod planar;
 mod planted;
 #[cfg(feature = "testing")]
+mod recipe;
 mod refinement;
 mod sample;
 mod shapes;

@@ -172,7 +172,8 @@ fn few_nodes() {
 
 #[test]
 fn wrong_options_are_named() {
-    let error = |builder: PoissonDelaunay| builder.build(1, &Silent).expect_err("out of range").to_string();
+    let error =
+        |builder: PoissonDelaunay<Cuboid>| builder.build(1, &Silent).expect_err("out of range").to_string();
     let builder = || PoissonDelaunay::new(square());
     assert!(error(builder().with_nodes(1)).starts_with("PoissonDelaunay.nodes is 1"));
     assert!(error(builder().with_spacing(f32::NAN)).starts_with("PoissonDelaunay.spacing is NaN"));

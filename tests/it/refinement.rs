@@ -6,7 +6,7 @@ use treesynth::guided::{
     Bend, Count, EndpointError, HopSurface, InShape, NearestTo, PoissonYao, Refinement, Search, Stage,
     StageView, TreeSynth,
 };
-use treesynth::shape::{Cuboid, Ellipsoid, Sphere};
+use treesynth::shape::{Cuboid, Ellipsoid};
 use treesynth::{EndpointPolicy, GraphBuilder, Silent, SynthesisError, testing};
 
 const COARSE: f32 = 0.3;
@@ -25,7 +25,7 @@ fn region() -> Cuboid {
     Cuboid::new(Vec3::new(-3.0, 0.0, -3.0), Vec3::new(3.0, 6.0, 3.0))
 }
 
-fn refinement() -> Refinement {
+fn refinement() -> Refinement<Cuboid> {
     Refinement::new(region(), FINE).with_reach(REACH)
 }
 
@@ -183,7 +183,7 @@ fn a_stage_that_failed_can_be_tried_again() {
 
 #[test]
 fn bad_options_are_named() {
-    let with = |refinement: Refinement| {
+    let with = |refinement: Refinement<Cuboid>| {
         limbs().stage(Stage::new(Bend::none(), Nothing).with_refinement(refinement)).synthesize(1)
     };
     for (refinement, name) in [
@@ -195,7 +195,7 @@ fn bad_options_are_named() {
         (Refinement::new(region(), 1e-9), "Refinement.spacing"),
         (Refinement::new(region(), 1e-5), "Refinement.spacing"),
         (Refinement::new(region(), 3e-4), "Refinement.spacing"),
-        (Refinement::new(Sphere::new(Vec3::X * 50.0, 1.0), 0.1), "Refinement.region"),
+        (Refinement::new(Cuboid::centered(Vec3::X * 50.0, Vec3::splat(2.0)), 0.1), "Refinement.region"),
         (refinement().with_reach(0), "Refinement.reach"),
         (refinement().with_reach(25), "Refinement.reach"),
         (refinement().with_relaxation(1001), "Refinement.relaxation"),

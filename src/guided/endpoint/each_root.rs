@@ -27,6 +27,7 @@ use glam::{DVec3, Vec3};
 /// # Ok::<(), treesynth::SynthesisError>(())
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
 pub struct AboveEachRoot {
     height: f32,
 }
@@ -67,10 +68,13 @@ impl EndpointPolicy for AboveEachRoot {
 /// What lies in the crowns of several roots is the nearest root's, so neighbours share the room between them. Which tree
 /// comes to an endpoint is for the search to say: that whose path costs least. O(n m) for m roots.
 #[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
 pub struct AroundEachRoot<S> {
     shape: S,
     count: Count,
 }
+
+crate::recipe::mapped!(AroundEachRoot { shape; count });
 
 impl<S: Shape> AroundEachRoot<S> {
     /// `count` endpoints for each root, in `shape`, which is given as for a root at the origin.

@@ -1,13 +1,14 @@
 //! Endpoints along each branch.
 
-use super::{EndpointError, EndpointPolicy, HopSurface, Side, StageView};
+use super::surface::Surface;
+use super::{EndpointError, EndpointPolicy, Side, StageView};
 use crate::parameter::ParameterError;
 use crate::random::{Purpose, derive};
 
 /// Endpoints allotted branch by branch: so many metres of each branch bear one, so that every branch is clothed, the
 /// inner and the thin ones too.
 ///
-/// Candidates are the nodes k hops from the tree, as in [`HopSurface`]; which branch one belongs to is where its
+/// Candidates are the nodes k hops from the tree, as in [`HopSurface`](super::HopSurface); which branch one belongs to is where its
 /// least-cost path leaves the tree. Each branch is divided into equal parts, and in each part one candidate is drawn.
 ///
 /// O(n log n).
@@ -36,10 +37,11 @@ use crate::random::{Purpose, derive};
 /// ```
 #[must_use]
 #[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
 pub struct LimbSurface {
-    surface: HopSurface,
+    surface: Surface,
     spacing: f32,
-    bare: f32,
+    bare_base: f32,
     least_order: u16,
 }
 
@@ -47,12 +49,12 @@ impl LimbSurface {
     /// One endpoint, `hops` edges off the tree, for every `spacing` metres of each branch, the trunk included; at least
     /// one a branch where there are candidates. Finite and above 0.
     pub fn new(hops: u32, spacing: f32) -> Self {
-        Self { surface: HopSurface::new(hops, 1).with_outermost(1.0), spacing, bare: 0.0, least_order: 0 }
+        Self { surface: Surface::new(hops, 1.0), spacing, bare_base: 0.0, least_order: 0 }
     }
 
     /// The share of each branch's length, from its base, that bears nothing, in [0, 1).
     pub fn with_bare_base(mut self, share: f32) -> Self {
-        self.bare = share;
+        self.bare_base = share;
         self
     }
 
@@ -62,21 +64,21 @@ impl LimbSurface {
         self
     }
 
-    /// Hops by metres of path; see [`HopSurface::with_hop_length`].
+    /// Hops by metres of path; see [`HopSurface::with_hop_length`](super::HopSurface::with_hop_length).
     pub fn with_hop_length(mut self, metres: f32) -> Self {
-        self.surface = self.surface.with_hop_length(metres);
+        self.surface.hop_length = Some(metres);
         self
     }
 
-    /// The outermost fraction of the surface alone; see [`HopSurface::with_outermost`]. All of it by default.
+    /// The outermost fraction of the surface alone; see [`HopSurface::with_outermost`](super::HopSurface::with_outermost). All of it by default.
     pub fn with_outermost(mut self, fraction: f32) -> Self {
-        self.surface = self.surface.with_outermost(fraction);
+        self.surface.outermost = fraction;
         self
     }
 
     /// Only endpoints lower, or only endpoints higher, than the source their path starts from.
     pub fn only(mut self, side: Side) -> Self {
-        self.surface = self.surface.only(side);
+        self.surface.side = Some(side);
         self
     }
 }
@@ -89,7 +91,7 @@ impl EndpointPolicy for LimbSurface {
         for node in self.surface.candidates(view) {
             let Some(fork) = search.source(node).and_then(|source| search.fork(source)) else { continue };
             let length = fork.from_base + fork.to_tip;
-            let bare = length * self.bare;
+            let bare = length * self.bare_base;
             if fork.from_base < bare || fork.order < self.least_order {
                 continue;
             }
@@ -116,9 +118,9 @@ impl EndpointPolicy for LimbSurface {
         let fits = self.spacing > 0.0 && self.spacing.is_finite();
         ParameterError::unless(fits, "LimbSurface.spacing", self.spacing, "finite and above 0 m")?;
         ParameterError::unless(
-            (0.0..1.0).contains(&self.bare),
+            (0.0..1.0).contains(&self.bare_base),
             "LimbSurface.bare_base",
-            self.bare,
+            self.bare_base,
             "a share in [0, 1)",
         )?;
         self.surface.check()

@@ -107,6 +107,11 @@ pub enum EndpointError {
 
 /// How many endpoints (section 3.2.4).
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(rename_all = "snake_case", deny_unknown_fields)
+)]
 #[non_exhaustive]
 pub enum Count {
     /// Exactly so many; an error if there are fewer candidates.

@@ -16,14 +16,22 @@ use std::cmp::Reverse;
 /// O(n log n).
 #[must_use]
 #[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
 pub struct HopSurface {
-    hops: u32,
+    surface: Surface,
     count: Count,
-    outermost: f32,
-    randomness: f32,
-    side: Option<Side>,
+}
+
+/// Which of the nodes around the tree endpoints are drawn from.
+#[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
+pub(super) struct Surface {
+    pub(super) hops: u32,
+    pub(super) outermost: f32,
+    pub(super) random_weights: f32,
+    pub(super) side: Option<Side>,
     /// Metres of a hop, where hops are counted by path length.
-    hop: Option<f32>,
+    pub(super) hop_length: Option<f32>,
 }
 
 /// How far a node is from the nearest source, in hops.
@@ -36,6 +44,11 @@ struct Distance {
 
 /// On which side of the source of its path an endpoint may be.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(rename_all = "snake_case", deny_unknown_fields)
+)]
 #[non_exhaustive]
 pub enum Side {
     /// Only lower than the source: branches hang (figure 13).
@@ -48,20 +61,20 @@ impl HopSurface {
     /// `count` endpoints exactly `hops` edges, in [1, 1000], from the tree. t is 0.6: "we consider this to strike
     /// a good balance and have used it for most of our examples".
     pub fn new(hops: u32, count: impl Into<Count>) -> Self {
-        Self { hops, count: count.into(), outermost: 0.6, randomness: 0.0, side: None, hop: None }
+        Self { surface: Surface::new(hops, 0.6), count: count.into() }
     }
 
     /// The fraction t of the surface's nodes that is kept, the outermost, in (0, 1]. 1 covers "the entire tree
     /// with small twigs".
     pub fn with_outermost(mut self, fraction: f32) -> Self {
-        self.outermost = fraction;
+        self.surface.outermost = fraction;
         self
     }
 
     /// Graph distance with random weights instead of hops: each edge counts 1 ± `randomness` times as much, in [0, 1),
     /// and the surface holds the nodes that are k away, to half an edge. 0 counts hops.
     pub fn with_random_weights(mut self, randomness: f32) -> Self {
-        self.randomness = randomness;
+        self.surface.random_weights = randomness;
         self
     }
 
@@ -70,14 +83,20 @@ impl HopSurface {
     /// edges, as in the paper, they are as long as the graph is coarse. Where all edges are longer than k hops, the
     /// surface holds the ends of the shortest.
     pub fn with_hop_length(mut self, metres: f32) -> Self {
-        self.hop = Some(metres);
+        self.surface.hop_length = Some(metres);
         self
     }
 
     /// Only endpoints lower, or only endpoints higher, than the source their path starts from.
     pub fn only(mut self, side: Side) -> Self {
-        self.side = Some(side);
+        self.surface.side = Some(side);
         self
+    }
+}
+
+impl Surface {
+    pub(super) fn new(hops: u32, outermost: f32) -> Self {
+        Self { hops, outermost, random_weights: 0.0, side: None, hop_length: None }
     }
 
     /// Distance of each node, in hops, from the nearest of `sources`, and that of the last edge on the way; infinite from
@@ -118,20 +137,21 @@ impl HopSurface {
 
     /// The length of an edge in hops.
     fn weight(&self, from: u32, to: u32, view: &StageView<'_>) -> f32 {
-        let hops =
-            self.hop.map_or(1.0, |hop| view.graph().position(from).distance(view.graph().position(to)) / hop);
-        if self.randomness == 0.0 {
+        let hops = self
+            .hop_length
+            .map_or(1.0, |hop| view.graph().position(from).distance(view.graph().position(to)) / hop);
+        if self.random_weights == 0.0 {
             return hops;
         }
         let edge = u64::from(from) << 32 | u64::from(to);
         let draw = unit(view.seed(), view.stage() as u32, Purpose::EDGE_WEIGHT, edge);
-        hops * (1.0 + self.randomness * (2.0 * draw - 1.0))
+        hops * (1.0 + self.random_weights * (2.0 * draw - 1.0))
     }
 
     /// The surface: nodes k hops from the tree, ascending.
     fn surface(&self, view: &StageView<'_>) -> Vec<u32> {
         let (graph, search) = (view.graph(), view.search());
-        if self.randomness > 0.0 || self.hop.is_some() {
+        if self.random_weights > 0.0 || self.hop_length.is_some() {
             let k = self.hops as f32;
             // Half a hop to each side; less where edges are shorter, so that the surface stays one node thick.
             let is_on_surface = |distance: &Distance| {
@@ -187,7 +207,7 @@ impl HopSurface {
         };
         let kept = (surface.len() as f32 * self.outermost).ceil() as usize;
         // Bits of floats that are not negative are in the floats' order.
-        let mut ranked: Vec<(Reverse<u32>, Reverse<u32>, u32)> = if self.randomness > 0.0 {
+        let mut ranked: Vec<(Reverse<u32>, Reverse<u32>, u32)> = if self.random_weights > 0.0 {
             let distance = self.distances(graph.roots(), f32::INFINITY, view);
             let rank = |node: u32| Reverse(distance[node as usize].whole.to_bits());
             surface.into_iter().map(|node| (rank(node), Reverse(away(node).to_bits()), node)).collect()
@@ -219,25 +239,31 @@ impl HopSurface {
 
 impl EndpointPolicy for HopSurface {
     fn select(&self, view: &StageView<'_>) -> Result<Vec<u32>, EndpointError> {
-        let surface = self.candidates(view);
+        let surface = self.surface.candidates(view);
         let count =
             self.count.of(surface.len(), "on the surface that HopSurface.hops, outermost and only leave")?;
         Ok(choose_uniform(surface, count, view))
     }
 
     fn needs_search(&self) -> bool {
-        self.side.is_some()
+        self.surface.side.is_some()
     }
 
     fn check(&self) -> Result<(), ParameterError> {
         self.count.check("HopSurface.count")?;
+        self.surface.check()
+    }
+}
+
+impl Surface {
+    pub(super) fn check(&self) -> Result<(), ParameterError> {
         ParameterError::unless(
             (1..=1000).contains(&self.hops),
             "HopSurface.hops",
             self.hops,
             "in [1, 1000]",
         )?;
-        let hop = self.hop.unwrap_or(1.0);
+        let hop = self.hop_length.unwrap_or(1.0);
         let fits = hop > 0.0 && hop.is_finite();
         ParameterError::unless(fits, "HopSurface.hop_length", hop, "finite and above 0 m")?;
         ParameterError::unless(
@@ -247,9 +273,9 @@ impl EndpointPolicy for HopSurface {
             "in (0, 1]",
         )?;
         ParameterError::unless(
-            (0.0..1.0).contains(&self.randomness),
+            (0.0..1.0).contains(&self.random_weights),
             "HopSurface.random_weights",
-            self.randomness,
+            self.random_weights,
             "in [0, 1)",
         )
     }

@@ -11,6 +11,7 @@ use smallvec::SmallVec;
 /// A single endpoint, the reachable node nearest to a point: "for this shape, we dedicate the first iteration to
 /// the trunk, with a single endpoint".
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
 pub struct NearestTo {
     point: Vec3,
 }
@@ -61,6 +62,7 @@ impl EndpointPolicy for NearestTo {
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
 pub struct NearestToEach {
     points: Vec<Vec3>,
 }
@@ -102,22 +104,26 @@ impl EndpointPolicy for NearestToEach {
 /// Endpoints among the nodes in a shape: "our practice has been to use a Poisson disc distribution within a
 /// bounding volume approximating the tree crown".
 #[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
 pub struct InShape<S> {
     shape: S,
     count: Count,
-    spread: bool,
+    /// Else drawn independently.
+    poisson_disc: bool,
 }
+
+crate::recipe::mapped!(InShape { shape; count, poisson_disc });
 
 impl<S: Shape> InShape<S> {
     /// Endpoints about as far apart as `count` of them can be: Poisson-disc, the radius found by going through smaller
     /// and smaller ones. If the shape or the tree changes in one place, the choice changes around there.
     pub fn poisson_disc(shape: S, count: impl Into<Count>) -> Self {
-        Self { shape, count: count.into(), spread: true }
+        Self { shape, count: count.into(), poisson_disc: true }
     }
 
     /// Endpoints drawn independently, all nodes equally likely.
     pub fn uniform(shape: S, count: impl Into<Count>) -> Self {
-        Self { shape, count: count.into(), spread: false }
+        Self { shape, count: count.into(), poisson_disc: false }
     }
 }
 
@@ -125,7 +131,7 @@ impl<S: Shape> EndpointPolicy for InShape<S> {
     fn select(&self, view: &StageView<'_>) -> Result<Vec<u32>, EndpointError> {
         let candidates = view.candidates(|_, position| self.shape.contains(position));
         let count = self.count.of(candidates.len(), "off the tree, in the shape and reachable")?;
-        Ok(if self.spread {
+        Ok(if self.poisson_disc {
             choose_spread(candidates, count, view)
         } else {
             choose_uniform(candidates, count, view)

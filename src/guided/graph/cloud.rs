@@ -11,10 +11,14 @@ use crate::shape::Shape;
 use glam::Vec3;
 use kiddo::{ImmutableKdTree, SquaredEuclidean};
 use std::num::NonZeroUsize;
-use std::sync::Arc;
 
 /// Which nodes edges lead to.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(rename_all = "snake_case", deny_unknown_fields)
+)]
 #[non_exhaustive]
 pub enum Edges {
     /// The nearest node in each of so many sectors, in [3, 64], within reach; see [`PoissonYao::with_sectors`].
@@ -151,11 +155,13 @@ fn nearest(positions: &[Vec3], count: usize, observer: &dyn Observer) -> Result<
 /// # Ok::<(), treesynth::guided::GraphError>(())
 /// ```
 #[must_use]
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
 pub struct PointCloud {
     points: Vec<Vec3>,
     edges: Edges,
     root: Vec3,
+    #[cfg_attr(feature = "serde", serde(default, with = "crate::parameter::maybe_infinite_or_none"))]
     reach: Option<f32>,
 }
 
@@ -202,28 +208,21 @@ impl GraphBuilder for PointCloud {
 /// Section 3.1.1 warns of it: "the resulting lattice artifacts are apparent even if the node positions are
 /// jittered". It is here to be compared with. The root is the node nearest to the origin, moved there.
 #[must_use]
-#[derive(Clone)]
-pub struct Lattice {
-    region: Arc<dyn Shape>,
+#[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
+pub struct Lattice<S> {
+    region: S,
     spacing: f32,
     jitter: f32,
     edges: Edges,
 }
 
-impl std::fmt::Debug for Lattice {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.debug_struct("Lattice")
-            .field("spacing", &self.spacing)
-            .field("jitter", &self.jitter)
-            .field("edges", &self.edges)
-            .finish_non_exhaustive()
-    }
-}
+crate::recipe::mapped!(Lattice { region; spacing, jitter, edges });
 
-impl Lattice {
+impl<S: Shape> Lattice<S> {
     /// Nodes `spacing` metres apart in `region`, with eight sectors and a jitter of 0.5.
-    pub fn new(region: impl Shape + 'static, spacing: f32) -> Self {
-        Self { region: Arc::new(region), spacing, jitter: 0.5, edges: Edges::Yao(8) }
+    pub fn new(region: S, spacing: f32) -> Self {
+        Self { region, spacing, jitter: 0.5, edges: Edges::Yao(8) }
     }
 
     /// How far a node may be moved along each axis, as a share of the half cell, in [0, 1).
@@ -239,7 +238,7 @@ impl Lattice {
     }
 }
 
-impl GraphBuilder for Lattice {
+impl<S: Shape> GraphBuilder for Lattice<S> {
     fn build(&self, seed: u64, observer: &dyn Observer) -> Result<Graph, GraphError> {
         self.check()?;
         report(observer, Work::Nodes, 0.0)?;

@@ -7,7 +7,6 @@ use crate::parameter::ParameterError;
 use crate::shape::Shape;
 use delaunator::{EMPTY, Point, triangulate};
 use glam::Vec3;
-use std::sync::Arc;
 
 /// Longest edge, in spacings. Twice the radius of the discs in the region that may be empty.
 const REACH: f32 = 4.0;
@@ -34,26 +33,25 @@ const REACH: f32 = 4.0;
 /// # Ok::<(), treesynth::guided::GraphError>(())
 /// ```
 #[must_use]
-#[derive(Clone)]
-pub struct PoissonDelaunay {
-    region: Arc<dyn Shape>,
+#[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
+pub struct PoissonDelaunay<S> {
     /// Tells the spacing.
-    nodes: PoissonYao,
+    nodes: PoissonYao<S>,
     root: Vec3,
 }
 
-impl std::fmt::Debug for PoissonDelaunay {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.debug_struct("PoissonDelaunay").field("root", &self.root).finish_non_exhaustive()
+impl<A> PoissonDelaunay<A> {
+    /// The same in another region.
+    pub(crate) fn map<B>(self, region: impl FnOnce(A) -> B) -> PoissonDelaunay<B> {
+        PoissonDelaunay { nodes: self.nodes.map(region), root: self.root }
     }
 }
 
-impl PoissonDelaunay {
+impl<S: Shape> PoissonDelaunay<S> {
     /// 3,750 nodes in the plane z = 0 of `region`, root at the origin.
-    pub fn new(region: impl Shape + 'static) -> Self {
-        let region: Arc<dyn Shape> = Arc::new(region);
-        let nodes = PoissonYao::new(region.clone()).planar().with_nodes(3_750);
-        Self { region, nodes, root: Vec3::ZERO }
+    pub fn new(region: S) -> Self {
+        Self { nodes: PoissonYao::new(region).planar().with_nodes(3_750), root: Vec3::ZERO }
     }
 
     /// About so many nodes, within a few percent; in [2, 200000000]. The spacing follows from the region's area.
@@ -86,15 +84,15 @@ impl PoissonDelaunay {
     }
 }
 
-impl GraphBuilder for PoissonDelaunay {
+impl<S: Shape> GraphBuilder for PoissonDelaunay<S> {
     fn build(&self, seed: u64, observer: &dyn Observer) -> Result<Graph, GraphError> {
         self.check()?;
         let spacing = self.spacing()?;
-        if !self.region.contains(self.root) {
+        if !self.nodes.region().contains(self.root) {
             return Err(ParameterError::new("PoissonDelaunay.root", self.root, "inside of the region").into());
         }
         let fixed = [self.root];
-        let discs = Discs { region: &*self.region, fixed: &fixed, spacing, planar: true };
+        let discs = Discs { region: self.nodes.region(), fixed: &fixed, spacing, planar: true };
         let positions = discs.place(seed, observer)?;
         report(observer, Work::Edges, 0.0)?;
         let edges = delaunay(&positions, REACH * spacing);

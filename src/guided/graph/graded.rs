@@ -2,6 +2,7 @@
 
 use super::local::with_trees;
 use super::octree::Octree;
+use super::once::Once;
 use super::roots::{check_apart, check_roots, place_leaders};
 use super::sectors::Sectors;
 use super::sizing::SizingField;
@@ -12,7 +13,7 @@ use crate::observer::Observer;
 use crate::parameter::ParameterError;
 use crate::shape::Shape;
 use glam::Vec3;
-use std::sync::{Arc, OnceLock};
+use std::sync::Arc;
 
 /// The graph of [`PoissonYao`](super::PoissonYao) with a spacing r that varies: fine where a [`SizingField`] says so,
 /// coarse elsewhere.
@@ -46,32 +47,24 @@ use std::sync::{Arc, OnceLock};
 /// # Ok::<(), treesynth::guided::GraphError>(())
 /// ```
 #[must_use]
-#[derive(Clone)]
-pub struct GradedYao {
-    region: Arc<dyn Shape>,
-    sizing: Arc<dyn SizingField>,
+#[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
+pub struct GradedYao<S, F> {
+    region: S,
+    sizing: F,
     nodes: Option<usize>,
     grading: f32,
     sectors: usize,
     /// Those asked for; none for one at the origin or at the base of each leader.
     roots: Option<Vec<Vec3>>,
     /// One a root; the last one for all that follow.
+    #[cfg_attr(feature = "serde", serde(default))]
     leaders: Vec<Leader>,
-    /// Worked out once.
-    spacing: OnceLock<Result<Arc<Spacing>, ParameterError>>,
+    #[cfg_attr(feature = "serde", serde(skip))]
+    spacing: Once<Result<Arc<Spacing>, ParameterError>>,
 }
 
-impl std::fmt::Debug for GradedYao {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.debug_struct("GradedYao")
-            .field("nodes", &self.nodes)
-            .field("grading", &self.grading)
-            .field("sectors", &self.sectors)
-            .field("roots", &self.roots)
-            .field("leaders", &self.leaders)
-            .finish_non_exhaustive()
-    }
-}
+crate::recipe::mapped!(GradedYao { region, sizing; nodes, grading, sectors, roots, leaders, spacing });
 
 /// The limits of `PoissonYao`: on nodes, on discs in the region's bounds, on edges.
 const MAX_NODES: f32 = 2e8;
@@ -85,19 +78,19 @@ const POINTS_A_NODE: f32 = 2.0;
 /// Length of a leader's internodes, in spacings.
 const PART: f32 = 1.2;
 
-impl GradedYao {
+impl<S: Shape, F: SizingField> GradedYao<S, F> {
     /// Nodes in `region`, as far apart as `sizing` says, in metres; grading 0.125, so that r doubles within 8 r;
     /// 8 sectors, root at the origin.
-    pub fn new(region: impl Shape + 'static, sizing: impl SizingField + 'static) -> Self {
+    pub fn new(region: S, sizing: F) -> Self {
         Self {
-            region: Arc::new(region),
-            sizing: Arc::new(sizing),
+            region,
+            sizing,
             nodes: None,
             grading: 0.125,
             sectors: 8,
             roots: None,
             leaders: Vec::new(),
-            spacing: OnceLock::new(),
+            spacing: Once::default(),
         }
     }
 
@@ -105,21 +98,21 @@ impl GradedYao {
     /// [2, 200000000]. The sizes are all multiplied by one factor; what they are in metres no longer matters.
     pub fn with_nodes(mut self, nodes: usize) -> Self {
         self.nodes = Some(nodes);
-        self.spacing = OnceLock::new();
+        self.spacing = Once::default();
         self
     }
 
     /// How much r may change along each axis, metres for a metre; in [0.001, 0.14].
     pub fn with_grading(mut self, grading: f32) -> Self {
         self.grading = grading;
-        self.spacing = OnceLock::new();
+        self.spacing = Once::default();
         self
     }
 
     /// The number of sectors, in [3, 64]; see [`PoissonYao::with_sectors`](super::PoissonYao::with_sectors).
     pub fn with_sectors(mut self, sectors: usize) -> Self {
         self.sectors = sectors;
-        self.spacing = OnceLock::new();
+        self.spacing = Once::default();
         self
     }
 
@@ -198,12 +191,12 @@ impl GradedYao {
             "a shape whose bounds have a volume from 1e-30 to 1e30 m³",
         )?;
         // A coarse lattice tells how many nodes there will be, and that how fine the lattice should be.
-        let few = Samples::new(&*self.region, &*self.sizing, POINTS[0])?;
+        let few = Samples::new(&self.region, &self.sizing, POINTS[0])?;
         let scale = self.nodes.map(|nodes| few.scale_for(nodes as f32, self.grading, 1.0, 100));
         let nodes = few.nodes(&few.spacing(scale.unwrap_or(1.0), self.grading));
         let points = (nodes * POINTS_A_NODE).clamp(POINTS[0], POINTS[1]);
         let samples =
-            if points > POINTS[0] { Samples::new(&*self.region, &*self.sizing, points)? } else { few };
+            if points > POINTS[0] { Samples::new(&self.region, &self.sizing, points)? } else { few };
         let scale = match (self.nodes, scale) {
             (Some(nodes), Some(guess)) => samples.scale_for(nodes as f32, self.grading, guess, 3),
             _ => 1.0,
@@ -226,14 +219,14 @@ impl GradedYao {
     }
 }
 
-impl GraphBuilder for GradedYao {
+impl<S: Shape, F: SizingField> GraphBuilder for GradedYao<S, F> {
     fn build(&self, seed: u64, observer: &dyn Observer) -> Result<Graph, GraphError> {
         self.check()?;
         let spacing = self.spacing()?;
         let planted = self.planted(&spacing, seed)?;
         let roots = self.all_roots();
         let fixed = if planted.positions.is_empty() { &roots } else { &planted.positions };
-        let positions = Octree::new(&*self.region, &spacing).nodes(fixed, seed, observer)?;
+        let positions = Octree::new(&self.region, &spacing).nodes(fixed, seed, observer)?;
         let reach = reach_of(self.sectors, false);
         let reaches: Vec<f32> = positions.iter().map(|&position| reach * spacing.at(position)).collect();
         let near = yao(&positions, &Sectors::new(self.sectors, false), Reach::Each(&reaches), observer)?;

@@ -24,6 +24,7 @@ use std::f32::consts::PI;
 /// ```
 #[must_use]
 #[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
 pub struct Leader {
     base: Vec3,
     top: Vec3,

@@ -9,6 +9,7 @@ mod leaf;
 mod local;
 mod mesh;
 mod octree;
+mod once;
 mod planted;
 mod poisson;
 mod roots;

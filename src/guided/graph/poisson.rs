@@ -10,7 +10,6 @@ use crate::parameter::ParameterError;
 use crate::shape::Shape;
 use crate::skeleton::Skeleton;
 use glam::Vec3;
-use std::sync::Arc;
 
 /// The graph of section 3.1.1: nodes in a Poisson-disc distribution, edges to the nearest node in each sector.
 ///
@@ -31,36 +30,29 @@ use std::sync::Arc;
 /// # Ok::<(), treesynth::guided::GraphError>(())
 /// ```
 #[must_use]
-#[derive(Clone)]
-pub struct PoissonYao {
-    region: Arc<dyn Shape>,
+#[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
+pub struct PoissonYao<S> {
+    region: S,
     size: Size,
     planar: bool,
     sectors: usize,
     /// Those asked for; none for one at the origin, or at the base of the leader or of each tree.
     roots: Option<Vec<Vec3>>,
     /// One a root; the last one for all that follow.
+    #[cfg_attr(feature = "serde", serde(default))]
     leaders: Vec<Leader>,
+    #[cfg_attr(feature = "serde", serde(default))]
     trees: Vec<Skeleton>,
 }
 
-#[derive(Debug, Clone, Copy)]
+crate::recipe::mapped!(PoissonYao { region; size, planar, sectors, roots, leaders, trees });
+
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "snake_case"))]
 enum Size {
     Nodes(usize),
     Spacing(f32),
-}
-
-impl std::fmt::Debug for PoissonYao {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.debug_struct("PoissonYao")
-            .field("size", &self.size)
-            .field("planar", &self.planar)
-            .field("sectors", &self.sectors)
-            .field("roots", &self.roots)
-            .field("leaders", &self.leaders)
-            .field("trees", &self.trees.len())
-            .finish_non_exhaustive()
-    }
 }
 
 /// Nodes in a cube of side r, far from its border; and what a face of the region adds, in layers of r.
@@ -72,12 +64,12 @@ const MAX_TILES: f32 = 4e6;
 /// Edges are numbered in 32 bits.
 const MAX_EDGES: f32 = 4e9;
 
-impl PoissonYao {
+impl<S: Shape> PoissonYao<S> {
     /// 150,000 nodes (section 4: "a typical result was created in a graph of 150,000 nodes") in `region`,
     /// 8 sectors, root at the origin.
-    pub fn new(region: impl Shape + 'static) -> Self {
+    pub fn new(region: S) -> Self {
         Self {
-            region: Arc::new(region),
+            region,
             size: Size::Nodes(150_000),
             planar: false,
             sectors: 8,
@@ -147,6 +139,11 @@ impl PoissonYao {
     pub fn with_tree(mut self, tree: Skeleton) -> Self {
         self.trees.push(tree);
         self
+    }
+
+    /// Where nodes lie.
+    pub fn region(&self) -> &S {
+        &self.region
     }
 
     /// Each leader at its root.
@@ -271,7 +268,7 @@ impl PoissonYao {
     }
 }
 
-impl GraphBuilder for PoissonYao {
+impl<S: Shape> GraphBuilder for PoissonYao<S> {
     fn build(&self, seed: u64, observer: &dyn Observer) -> Result<Graph, GraphError> {
         self.check()?;
         let spacing = self.spacing()?;
@@ -283,9 +280,9 @@ impl GraphBuilder for PoissonYao {
             return Err(GraphError::RootOutside { root });
         }
         if let Some(planted) = planted {
-            return around_tree(&*self.region, &planted, spacing, reach, &sectors, seed, observer);
+            return around_tree(&self.region, &planted, spacing, reach, &sectors, seed, observer);
         }
-        let discs = Discs { region: &*self.region, fixed: &roots, spacing, planar: self.planar };
+        let discs = Discs { region: &self.region, fixed: &roots, spacing, planar: self.planar };
         let positions = discs.place(seed, observer)?;
         let Adjacency { starts, targets } = yao(&positions, &sectors, Reach::Same(reach), observer)?;
         let graph = Graph::from_parts(positions, starts, targets, 0);

@@ -1,11 +1,12 @@
 //! How far apart nodes should be, as a function of position.
 
+use super::once::Once;
 use super::scalars::Scalars;
 use crate::parallel;
 use crate::parameter::ParameterError;
 use crate::shape::Shape;
 use glam::{IVec3, Vec3};
-use std::sync::{Arc, OnceLock};
+use std::sync::Arc;
 
 /// The spacing of nodes that is wanted at each place; see [`GradedYao`](super::GradedYao).
 ///
@@ -118,42 +119,36 @@ impl<F: Fn(Vec3) -> f32 + Send + Sync> SizingField for SizingFn<F> {
 ///     assert!((spacing - expected).abs() < 0.01);
 /// }
 /// ```
-#[derive(Clone)]
-pub struct NearSurface {
-    shape: Arc<dyn Shape>,
+#[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
+pub struct NearSurface<S> {
+    shape: S,
     at_surface: f32,
     away: f32,
     distance: f32,
     /// Distances from the surface, negative inside; `None` without one.
-    distances: OnceLock<Option<Arc<Scalars>>>,
+    #[cfg_attr(feature = "serde", serde(skip))]
+    distances: Once<Option<Arc<Scalars>>>,
 }
 
-impl std::fmt::Debug for NearSurface {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.debug_struct("NearSurface")
-            .field("at_surface", &self.at_surface)
-            .field("away", &self.away)
-            .field("distance", &self.distance)
-            .finish_non_exhaustive()
-    }
-}
+crate::recipe::mapped!(NearSurface { shape; at_surface, away, distance, distances });
 
 /// Cells of the lattice along each axis.
 const CELLS: i32 = 64;
 
-impl NearSurface {
+impl<S: Shape> NearSurface<S> {
     /// Nodes `at_surface` metres apart at the surface of `shape`, `away` metres apart where it is `distance` metres
     /// off, within or without; all above 0. Either spacing may be the larger one.
-    pub fn new(shape: impl Shape + 'static, at_surface: f32, away: f32, distance: f32) -> Self {
-        Self { shape: Arc::new(shape), at_surface, away, distance, distances: OnceLock::new() }
+    pub fn new(shape: S, at_surface: f32, away: f32, distance: f32) -> Self {
+        Self { shape, at_surface, away, distance, distances: Once::default() }
     }
 
     fn distances(&self) -> Option<&Scalars> {
-        self.distances.get_or_init(|| signed_distances(&*self.shape, self.distance).map(Arc::new)).as_deref()
+        self.distances.get_or_init(|| signed_distances(&self.shape, self.distance).map(Arc::new)).as_deref()
     }
 }
 
-impl SizingField for NearSurface {
+impl<S: Shape> SizingField for NearSurface<S> {
     fn at(&self, point: Vec3) -> f32 {
         let Some(distances) = self.distances() else { return self.away };
         let share = (distances.at(point).abs() / self.distance).min(1.0);

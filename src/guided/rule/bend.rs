@@ -9,6 +9,11 @@ use std::f32::consts::{PI, TAU};
 
 /// The axis of an incremental rotation. The paper says both.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(rename_all = "snake_case", deny_unknown_fields)
+)]
 #[non_exhaustive]
 pub enum BendAxis {
     /// Perpendicular to up and the traversed edge (section 3.2.1): branches of a vertical trunk bend each to its
@@ -33,24 +38,66 @@ pub enum BendAxis {
 /// Bend::piecewise(degrees(6.0), degrees(-6.0), 20).check().unwrap();
 /// ```
 #[must_use]
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
 pub struct Bend {
     angle: Angle,
     axis: BendAxis,
     /// Metres of a hop, where angles are by path length.
-    hop: Option<f32>,
+    hop_length: Option<f32>,
 }
 
-#[derive(Debug, Clone)]
+/// An angle in radians, and the rotation by it: sine and cosine are worked out once.
+#[derive(Clone, Copy)]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(from = "f32", into = "f32")
+)]
+struct Turn {
+    angle: f32,
+    rotation: Rotation,
+}
+
+impl From<f32> for Turn {
+    fn from(angle: f32) -> Self {
+        Self { angle, rotation: Rotation::new(angle) }
+    }
+}
+
+impl From<Turn> for f32 {
+    fn from(turn: Turn) -> Self {
+        turn.angle
+    }
+}
+
+impl PartialEq for Turn {
+    fn eq(&self, other: &Self) -> bool {
+        self.angle == other.angle
+    }
+}
+
+impl std::fmt::Debug for Turn {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        self.angle.fmt(f)
+    }
+}
+
+#[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(rename_all = "snake_case", deny_unknown_fields)
+)]
 enum Angle {
-    Piecewise { angles: [f32; 2], rotations: [Rotation; 2], hops: u32 },
-    Random { low: f32, high: f32, rest: f32, rotation: Rotation, hops: u32 },
+    Piecewise { first: Turn, rest: Turn, hops: u32 },
+    Random { low: f32, high: f32, rest: Turn, hops: u32 },
     FromAxis { theta: f32 },
 }
 
 impl Bend {
     fn new(angle: Angle) -> Self {
-        Self { angle, axis: BendAxis::default(), hop: None }
+        Self { angle, axis: BendAxis::default(), hop_length: None }
     }
 
     /// No rotation: every node keeps the vector of the node before, as along a straight trunk.
@@ -65,14 +112,13 @@ impl Bend {
 
     /// Equation 1: `first` at the first `hops` nodes from the source, `rest` after that.
     pub fn piecewise(first: f32, rest: f32, hops: u32) -> Self {
-        let angles = [first, rest];
-        Self::new(Angle::Piecewise { angles, rotations: angles.map(Rotation::new), hops })
+        Self::new(Angle::Piecewise { first: first.into(), rest: rest.into(), hops })
     }
 
     /// Equation 1 with a random first angle in [`low`, `high`): one for each source node, so that "each node on
     /// the trunk has a different random direction" (figure 6 (c)).
     pub fn random(low: f32, high: f32, rest: f32, hops: u32) -> Self {
-        Self::new(Angle::Random { low, high, rest, rotation: Rotation::new(rest), hops })
+        Self::new(Angle::Random { low, high, rest: rest.into(), hops })
     }
 
     /// Equation 2: `theta * √(β / π)`, with β the angle between up and the way from the root to the node.
@@ -86,7 +132,7 @@ impl Bend {
     ///
     /// Finite and above 0. With 1 m, angles are curvatures.
     pub fn with_hop_length(mut self, metres: f32) -> Self {
-        self.hop = Some(metres);
+        self.hop_length = Some(metres);
         self
     }
 
@@ -99,10 +145,10 @@ impl Bend {
             (first * before + rest * after) / hop
         };
         match self.angle {
-            Angle::Piecewise { angles: [first, rest], hops, .. } => piecewise(first, rest, hops),
-            Angle::Random { low, high, rest, hops, .. } => {
+            Angle::Piecewise { first, rest, hops } => piecewise(first.angle, rest.angle, hops),
+            Angle::Random { low, high, rest, hops } => {
                 let draw = step.random(Purpose::SOURCE_ANGLE, step.source());
-                piecewise(low + (high - low) * draw, rest, hops)
+                piecewise(low + (high - low) * draw, rest.angle, hops)
             }
             Angle::FromAxis { theta } => from_axis(theta, step) * step.length / hop,
         }
@@ -123,12 +169,18 @@ fn from_axis(theta: f32, step: &Step<'_>) -> f32 {
 impl GuidingRule for Bend {
     #[inline]
     fn guide(&self, step: &Step<'_>) -> Vec3 {
-        if let Some(hop) = self.hop {
+        if let Some(hop) = self.hop_length {
             return step.bent(Rotation::new(self.angle_by_length(step, hop)), self.axis);
         }
         let rotation = match &self.angle {
-            Angle::Piecewise { rotations, hops, .. } => rotations[usize::from(step.hops > *hops)],
-            Angle::Random { rotation, hops, .. } if step.hops > *hops => *rotation,
+            Angle::Piecewise { first, rest, hops } => {
+                if step.hops > *hops {
+                    rest.rotation
+                } else {
+                    first.rotation
+                }
+            }
+            Angle::Random { rest, hops, .. } if step.hops > *hops => rest.rotation,
             Angle::Random { low, high, .. } => {
                 let draw = step.random(Purpose::SOURCE_ANGLE, step.source());
                 Rotation::new(low + (high - low) * draw)
@@ -139,24 +191,24 @@ impl GuidingRule for Bend {
     }
 
     fn check(&self) -> Result<(), ParameterError> {
-        let hop = self.hop.unwrap_or(1.0);
+        let hop = self.hop_length.unwrap_or(1.0);
         let fits = hop > 0.0 && hop.is_finite();
         ParameterError::unless(fits, "Bend.hop_length", hop, "finite and above 0 m")?;
         let angle = |parameter, angle: f32| {
             ParameterError::unless(angle.abs() <= TAU, parameter, angle, "in [-2π, 2π] radians")
         };
         match self.angle {
-            Angle::Piecewise { angles: [first, rest], hops: 0, .. } if first.to_bits() == rest.to_bits() => {
-                angle("Bend.angle", first)
+            Angle::Piecewise { first, rest, hops: 0 } if first.angle.to_bits() == rest.angle.to_bits() => {
+                angle("Bend.angle", first.angle)
             }
-            Angle::Piecewise { angles: [first, rest], .. } => {
-                angle("Bend.first", first)?;
-                angle("Bend.rest", rest)
+            Angle::Piecewise { first, rest, .. } => {
+                angle("Bend.first", first.angle)?;
+                angle("Bend.rest", rest.angle)
             }
             Angle::Random { low, high, rest, .. } => {
                 angle("Bend.low", low)?;
                 angle("Bend.high", high)?;
-                angle("Bend.rest", rest)?;
+                angle("Bend.rest", rest.angle)?;
                 ParameterError::unless(low <= high, "Bend.low", low, "at most Bend.high")
             }
             Angle::FromAxis { theta } => angle("Bend.theta", theta),

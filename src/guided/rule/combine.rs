@@ -11,12 +11,15 @@ use std::sync::Arc;
 /// One rule for branches that start below a height, another for those above (figure 17 (b)).
 ///
 /// What counts is the height of the source above the root, so that a branch keeps its rule to the tip.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
 pub struct ByHeight<Below, Above> {
     height: f32,
     below: Below,
     above: Above,
 }
+
+crate::recipe::mapped!(ByHeight { below, above; height });
 
 impl<Below: GuidingRule, Above: GuidingRule> ByHeight<Below, Above> {
     /// `below` for sources under `height` metres above the root, `above` for the rest.
@@ -91,9 +94,17 @@ impl GuidingRule for ByStage {
 /// A rule for each of the graph's [roots](crate::guided::Graph::roots), in their order; the last one for all roots that
 /// follow.
 #[must_use]
-#[derive(Clone, Default)]
-pub struct ByTree {
-    rules: Vec<Arc<dyn GuidingRule>>,
+#[derive(Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
+pub struct ByTree<R = Arc<dyn GuidingRule>> {
+    rules: Vec<R>,
+}
+
+impl<A> ByTree<A> {
+    /// The same of other rules.
+    pub(crate) fn map<B>(self, rule: impl FnMut(A) -> B) -> ByTree<B> {
+        ByTree { rules: self.rules.into_iter().map(rule).collect() }
+    }
 }
 
 impl std::fmt::Debug for ByTree {
@@ -105,7 +116,7 @@ impl std::fmt::Debug for ByTree {
 impl ByTree {
     /// No rules yet.
     pub fn new() -> Self {
-        Self::default()
+        Self { rules: Vec::new() }
     }
 
     /// Adds the rule of the next root's tree.
@@ -113,13 +124,31 @@ impl ByTree {
         self.rules.push(Arc::new(rule));
         self
     }
+}
 
-    fn rule(&self, tree: u32) -> Option<&dyn GuidingRule> {
-        self.rules.get(tree as usize).or(self.rules.last()).map(|rule| &**rule)
+impl Default for ByTree {
+    fn default() -> Self {
+        Self::new()
     }
 }
 
-impl GuidingRule for ByTree {
+impl<R: GuidingRule> ByTree<R> {
+    /// These rules, all of one type.
+    pub fn of(rules: impl Into<Vec<R>>) -> Self {
+        Self { rules: rules.into() }
+    }
+
+    /// The rules, one for each root.
+    pub fn rules(&self) -> &[R] {
+        &self.rules
+    }
+
+    fn rule(&self, tree: u32) -> Option<&R> {
+        self.rules.get(tree as usize).or(self.rules.last())
+    }
+}
+
+impl<R: GuidingRule> GuidingRule for ByTree<R> {
     fn guide(&self, step: &Step<'_>) -> Vec3 {
         self.rule(step.tree()).map_or(step.vector, |rule| rule.guide(step))
     }
@@ -135,12 +164,15 @@ impl GuidingRule for ByTree {
 }
 
 /// The weighted sum of two rules' unit vectors.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
 pub struct Blend<A, B> {
     first: A,
     second: B,
     share: f32,
 }
+
+crate::recipe::mapped!(Blend { first, second; share });
 
 impl<A: GuidingRule, B: GuidingRule> Blend<A, B> {
     /// `share` in [0, 1] of `second`, the rest of `first`.
@@ -172,11 +204,14 @@ impl<A: GuidingRule, B: GuidingRule> GuidingRule for Blend<A, B> {
 }
 
 /// Another rule's vector, tilted at each node by a random angle to a random side.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
 pub struct Jitter<R> {
     rule: R,
     angle: f32,
 }
+
+crate::recipe::mapped!(Jitter { rule; angle });
 
 impl<R: GuidingRule> Jitter<R> {
     /// Tilts by up to `angle` radians, in [0, π].
@@ -218,12 +253,15 @@ impl<R: GuidingRule> GuidingRule for Jitter<R> {
 ///
 /// The first node off the tree gets a vector at the height's angle from up, to the side of the edge that leads to
 /// it: a source on a vertical trunk has no side of its own, and branches leave it to all sides.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
 pub struct SourceElevation<R> {
     rule: R,
     angles: [f32; 2],
     heights: [f32; 2],
 }
+
+crate::recipe::mapped!(SourceElevation { rule; angles, heights });
 
 impl<R: GuidingRule> SourceElevation<R> {
     /// Branches from sources at `heights[0]` metres above the root and below start `angles[0]` radians away from
@@ -275,11 +313,14 @@ impl<R: GuidingRule> GuidingRule for SourceElevation<R> {
 ///
 /// With up, the forks of a stage are measured from up and not from the parent branch's vector; for forks measured from
 /// the parent branch itself see [`ForkAngle`](super::ForkAngle).
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
 pub struct SourceVector<R> {
     rule: R,
     vector: Vec3,
 }
+
+crate::recipe::mapped!(SourceVector { rule; vector });
 
 impl<R: GuidingRule> SourceVector<R> {
     /// All sources get `vector`, of any length but zero.

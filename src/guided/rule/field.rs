@@ -9,10 +9,13 @@ use glam::Vec3;
 /// vector of the node before.
 ///
 /// Branches only tend to follow: they deviate "whenever doing so produces a shorter path".
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
 pub struct FollowField<F> {
     field: F,
 }
+
+crate::recipe::mapped!(FollowField { field; });
 
 impl<F: VectorField> FollowField<F> {
     /// Follows `field`.

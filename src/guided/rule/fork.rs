@@ -22,13 +22,16 @@ use std::f32::consts::{PI, TAU};
 /// assert!((rule.guide(&step).dot(Vec3::X) - 0.5).abs() < 1e-5);
 /// ```
 #[must_use]
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
 pub struct ForkAngle<R> {
     angle: f32,
     spread: f32,
     divergence: Option<(f32, f32)>,
     rule: R,
 }
+
+crate::recipe::mapped!(ForkAngle { rule; angle, spread, divergence });
 
 impl<R: GuidingRule> ForkAngle<R> {
     /// Branches leave at `angle` radians, in [0, π], from the direction of their parent branch, then follow `rule`.

@@ -94,7 +94,7 @@ fn impossible_bounds() {
     ];
     for bounds in bounds {
         for planar in [false, true] {
-            let plane = |builder: PoissonYao| if planar { builder.planar() } else { builder };
+            let plane = |builder: PoissonYao<Lies>| if planar { builder.planar() } else { builder };
             // An error or a graph, but an end.
             let _ = plane(PoissonYao::new(Lies(bounds)).with_nodes(100)).build(1, &Silent);
             let _ = plane(PoissonYao::new(Lies(bounds)).with_spacing(0.5)).build(1, &Silent);

@@ -27,7 +27,7 @@ fn and_not_finite(values: &[f32]) -> Vec<f32> {
     [values, &NOT_FINITE].concat()
 }
 
-fn cube() -> PoissonYao {
+fn cube() -> PoissonYao<Cuboid> {
     PoissonYao::new(plot(4.0, 4.0)).with_nodes(300)
 }
 

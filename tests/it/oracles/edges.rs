@@ -3,10 +3,13 @@
 use crate::sample::{built, cases, plot};
 use proptest::prelude::*;
 use std::f64::consts::{PI, TAU};
+use std::sync::Arc;
 use treesynth::glam::{DVec3, Vec3};
-use treesynth::guided::{Edges, GradedYao, Graph, Lattice, NearSurface, PointCloud, PoissonYao, SizingFn};
+use treesynth::guided::{
+    Edges, GradedYao, Graph, Lattice, NearSurface, PointCloud, PoissonYao, SizingField, SizingFn,
+};
 use treesynth::random::{Purpose, unit};
-use treesynth::shape::{Ellipsoid, HalfEllipsoid, Sphere};
+use treesynth::shape::{Ellipsoid, HalfEllipsoid, ShapeRecipe, Sphere};
 
 /// How the directions around a node are divided.
 #[derive(Clone, Copy, Debug)]
@@ -172,9 +175,9 @@ proptest! {
     #[test]
     fn poisson_yao_edges(seed: u64, nodes in 50usize..900, which in 0usize..3) {
         let builder = match which {
-            0 => PoissonYao::new(plot(4.0, 4.0)),
-            1 => PoissonYao::new(HalfEllipsoid::new(Vec3::ZERO, Vec3::new(3.0, 1.0, 2.0))),
-            _ => PoissonYao::new(plot(1.0, 9.0)),
+            0 => PoissonYao::new(ShapeRecipe::from(plot(4.0, 4.0))),
+            1 => PoissonYao::new(HalfEllipsoid::new(Vec3::ZERO, Vec3::new(3.0, 1.0, 2.0)).into()),
+            _ => PoissonYao::new(plot(1.0, 9.0).into()),
         };
         for (builder, sectors) in [
             (builder.clone().with_nodes(nodes), Sectors::Octants),
@@ -231,14 +234,15 @@ proptest! {
 #[test]
 fn graphs_of_varying_spacing() {
     let crown = Sphere::new(Vec3::Y * 3.0, 1.5);
-    let near = |ratio| GradedYao::new(plot(6.0, 6.0), NearSurface::new(crown, 1.0, ratio, 1.0));
+    let graded = |sizing: Arc<dyn SizingField>| GradedYao::new(plot(6.0, 6.0), sizing);
+    let near = |ratio| graded(Arc::new(NearSurface::new(crown, 1.0, ratio, 1.0)));
     let point = SizingFn::new(|p: Vec3| 0.01 + 0.13 * p.distance(Vec3::splat(1.5)));
     for (builder, sectors) in [
         (near(8.0), 8),
         (near(0.1), 8),
         (near(8.0), 12),
-        (GradedYao::new(plot(6.0, 6.0), point), 8),
-        (GradedYao::new(plot(6.0, 6.0), point), 20),
+        (graded(Arc::new(point)), 8),
+        (graded(Arc::new(point)), 20),
     ] {
         let builder = builder.with_nodes(2500).with_grading(0.14).with_sectors(sectors);
         let spacing = builder.spacing().expect("a sound region");

@@ -6,7 +6,7 @@ use proptest::prelude::*;
 use treesynth::glam::{DVec3, Vec3};
 use treesynth::guided::{GradedYao, Graph, NearSurface, PoissonYao, SizingField, SizingFn, Spacing};
 use treesynth::random::{Purpose, unit};
-use treesynth::shape::{Cuboid, HalfEllipsoid, Sphere};
+use treesynth::shape::{Cuboid, HalfEllipsoid, ShapeRecipe, Sphere};
 use treesynth::{GraphBuilder, Shape};
 
 /// Sizing fields of every kind: even, with a jump, a ramp, a point, a surface from either side, a ripple.
@@ -150,8 +150,8 @@ fn as_many_nodes_as_asked_for() {
     for nodes in [3000, 20_000] {
         for field in 0..7 {
             for builder in [
-                GradedYao::new(plot(6.0, 6.0), sizing(field, 0.5, 2.0)),
-                GradedYao::new(dome, sizing(field, 0.5, 2.0)),
+                GradedYao::new(ShapeRecipe::from(plot(6.0, 6.0)), sizing(field, 0.5, 2.0)),
+                GradedYao::new(dome.into(), sizing(field, 0.5, 2.0)),
             ] {
                 let found = built(&builder.with_nodes(nodes), 2).nodes();
                 let off = found as f64 / nodes as f64 - 1.0;

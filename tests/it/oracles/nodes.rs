@@ -6,7 +6,9 @@ use treesynth::Shape;
 use treesynth::glam::Vec3;
 use treesynth::guided::{Graph, PoissonYao};
 use treesynth::random::{Purpose, unit};
-use treesynth::shape::{Cone, Cuboid, Cylinder, HalfEllipsoid, Intersection, Shell, Sphere, Union};
+use treesynth::shape::{
+    Cone, Cuboid, Cylinder, HalfEllipsoid, Intersection, ShapeRecipe, Shell, Sphere, Union,
+};
 
 /// A region, and the radius of a ball around a point that certainly lies in it.
 pub(super) struct Region {
@@ -191,14 +193,16 @@ fn discs_are_apart_where_coordinates_are_large() {
 fn as_many_nodes_as_asked_for() {
     for nodes in [5_000, 12_000, 40_000] {
         let tall = HalfEllipsoid::new(Vec3::ZERO, Vec3::new(2.0, 6.0, 2.0));
-        for (name, builder) in [
-            ("box", PoissonYao::new(plot(6.0, 6.0))),
-            ("slender box", PoissonYao::new(plot(3.0, 9.0))),
-            ("sphere", PoissonYao::new(Sphere::new(Vec3::Y, 2.0))),
-            ("half-ellipsoid", PoissonYao::new(HalfEllipsoid::new(Vec3::ZERO, Vec3::new(3.0, 4.0, 3.0)))),
-            ("tall half-ellipsoid", PoissonYao::new(tall)),
-            ("cone", PoissonYao::new(Cone::new(Vec3::ZERO, 2.0, 5.0))),
-        ] {
+        let shapes: [(&str, ShapeRecipe); 6] = [
+            ("box", plot(6.0, 6.0).into()),
+            ("slender box", plot(3.0, 9.0).into()),
+            ("sphere", Sphere::new(Vec3::Y, 2.0).into()),
+            ("half-ellipsoid", HalfEllipsoid::new(Vec3::ZERO, Vec3::new(3.0, 4.0, 3.0)).into()),
+            ("tall half-ellipsoid", tall.into()),
+            ("cone", Cone::new(Vec3::ZERO, 2.0, 5.0).into()),
+        ];
+        for (name, shape) in shapes {
+            let builder = PoissonYao::new(shape);
             for builder in [builder.clone(), builder.planar()] {
                 let found = built(&builder.with_nodes(nodes), 2).nodes();
                 let off = found as f64 / nodes as f64 - 1.0;
