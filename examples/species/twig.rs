@@ -41,8 +41,8 @@ pub(crate) fn blossom(seed: u64) -> Result<Picture, Failure> {
     sheet(|species| {
         let mut cell = Picture::new(2 * SIDE, SIDE + LABEL, [255; 3])?;
         let mut words = species.name.clone();
-        let sorts = [species.organs.first(), species.organs.last()];
-        for (index, organ) in sorts.into_iter().flatten().enumerate() {
+        let last = species.organs.last().filter(|_| species.organs.len() > 1);
+        for (index, organ) in species.organs.first().into_iter().chain(last).enumerate() {
             let always = organ.days[3] - organ.days[0] > 366.0;
             let day =
                 if always { 196.0 } else { (0.5 * (organ.days[1] + organ.days[2]) - 1.0) % 366.0 + 1.0 };
@@ -50,7 +50,8 @@ pub(crate) fn blossom(seed: u64) -> Result<Picture, Failure> {
             let leaf = species.leaves.length * (1.0 + species.leaves.petiole);
             let length = (2.5 * leaf).max(3.0 * organ.size).clamp(0.2, 3.0);
             let twig = Twig::of(&tree, if organ.place == OrganPlace::Stem { 4.0 } else { length }, true)?;
-            cell.blit(&twig.draw(&twig.leaves)?, (index as u32 * SIDE) as i32, 0);
+            let at = if last.is_some() { index as u32 * SIDE } else { SIDE / 2 };
+            cell.blit(&twig.draw(&twig.leaves)?, at as i32, 0);
             let at = format!(
                 "{} {day:.0} ({:.0} cm)",
                 if index == 0 { ": day" } else { ", day" },

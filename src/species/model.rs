@@ -127,11 +127,11 @@ impl Model {
         for flower in 0..36 {
             let t = 0.08 + 0.88 * flower as f32 / 35.0;
             let (sin, cos) = math::sin_cos(flower as f32 * GOLDEN);
-            let reach = 0.5 * (1.0 - 0.85 * t) * (0.6 + 0.4 * (t * 8.0).min(1.0));
+            let reach = 0.5 * (1.0 - 0.85 * t) * (0.7 + 0.3 * (t * 8.0).min(1.0));
             let foot = Vec3::new(0.2 * reach * cos, t, 0.2 * reach * sin);
             let tip = Vec3::new(reach * cos, t + 0.05, reach * sin);
             let color = if flower % 3 == 0 { [1.0, 0.86, 0.7] } else { OWN };
-            self.blade([foot, tip], 0.13, 0.6, Vec3::Y, [color, OWN]);
+            self.blade([foot, tip], 0.2, 0.55, Vec3::Y, [color, OWN]);
         }
     }
 

@@ -224,6 +224,17 @@ impl<'a> Request<'a> {
             (None, None) => (open * (1.0 - 0.5 * crowding), height_of(open)),
         };
         let [slowest, fastest] = size.slenderness;
+        if let (Some(dbh), Some(_)) = (self.dbh, self.height) {
+            // So thin a trunk is of a tree that is too low to be measured at 1.3 m.
+            let [low, high] = [LOWEST / fastest, size.diameter[1]];
+            let holds = dbh >= low;
+            unless(
+                holds,
+                "dbh",
+                format!("{dbh} m on a tree of a given height"),
+                format!("{low:.4} to {high} m"),
+            )?;
+        }
         if let (Some(dbh), Some(height)) = (self.dbh, self.height) {
             let [low, high] = [(dbh * slowest).max(LOWEST), dbh * fastest];
             unless(

@@ -256,10 +256,12 @@ impl Course {
                 course.nodes.push(knot);
             }
             // Each section has the tiles of its mean radius.
-            for i in 0..nodes.len() {
-                let start = sections[i];
-                let end = (i..nodes.len()).take_while(|&j| sections[j] == start).last().unwrap_or(i);
-                let mean = (radius(start) * radius(end)).sqrt();
+            let mut end = nodes.len() - 1;
+            for i in (0..nodes.len()).rev() {
+                if sections[i] != sections[end] {
+                    end = i;
+                }
+                let mean = (radius(sections[i]) * radius(end)).sqrt();
                 course.nodes[first + i].tiles = (TAU * mean / options.tile).round().max(1.0);
             }
             course.starts.push(course.nodes.len() as u32);
