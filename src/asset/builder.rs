@@ -33,9 +33,12 @@ const GAIN: (f32, f32) = (0.6, 1.6);
 
 /// Makes [`Asset`]s: a tree's bark and leaves within a budget of triangles.
 #[must_use]
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
 pub struct AssetBuilder {
     bark: Material,
+    /// Images are no options: they are not written.
+    #[cfg_attr(feature = "serde", serde(skip))]
     bark_textures: Option<Arc<Textures>>,
     twigs: Option<Material>,
     tubes: Tubes,
@@ -46,6 +49,25 @@ pub struct AssetBuilder {
     texture_size: u32,
     leaf_size: Option<u32>,
 }
+
+impl AssetBuilder {
+    /// What [`with_bark_textures`](Self::with_bark_textures) sets.
+    pub fn bark_textures(&self) -> Option<&Textures> {
+        self.bark_textures.as_deref()
+    }
+
+    /// What [`with_foliage`](Self::with_foliage) sets.
+    pub fn foliage(&self) -> Option<&Foliage> {
+        self.foliage.as_ref()
+    }
+}
+
+crate::recipe::readable!(AssetBuilder {
+    bark: Material, twigs: Option<Material>, triangles: Option<usize>, bark_share: f32, kinds: u32,
+    texture_size: u32, leaf_size: Option<u32>,
+});
+
+crate::recipe::readable!(&AssetBuilder { tubes: Tubes });
 
 impl Default for AssetBuilder {
     /// 10,000 triangles, of which bark gets at most 35%; the default bark without images; no leaves; 8 kinds of cards in
@@ -180,18 +202,6 @@ impl AssetBuilder {
         self.bark.check()?;
         self.wood().check()?;
         Ok(())
-    }
-
-    pub(super) fn triangles(&self) -> Option<usize> {
-        self.triangles
-    }
-
-    pub(super) fn texture_size(&self) -> u32 {
-        self.texture_size
-    }
-
-    pub(super) fn foliage(&self) -> Option<&Foliage> {
-        self.foliage.as_ref()
     }
 }
 
