@@ -16,7 +16,7 @@ const AROUND: &str = "octahedral, 8 x 8 views, 1024 x 1024";
 fn main() {
     measure::single_thread();
     let mut criterion = measure::criterion();
-    let preset = presets::by_name("fine-oak").expect("a preset");
+    let preset = presets::by_name("fine-oak").expect("a preset").guided().unwrap();
     let tree = preset.synth(measure::size(40_000, 5_000)).synthesize(SEED).expect("the preset grows");
     let tree = tree.relaxed(0.5, 3).expect("sound options");
     let foliage = preset.foliage(Season::Summer).expect("in leaf");

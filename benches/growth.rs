@@ -4,14 +4,14 @@ mod measure;
 
 use measure::{Samples, count, number, print_table};
 use treesynth::Skeleton;
-use treesynth::growth::{Growth, Species, Timeline};
+use treesynth::growth::{Architecture, Growth, Timeline};
 
 /// The goal for the skeleton of the cottonwood at 27 years, milliseconds.
 const GOAL: f64 = 150.0;
 const AGES: [f32; 4] = [10.0, 20.0, 26.6, 27.0];
 
 fn cottonwood() -> Growth {
-    Growth::new(Species::cottonwood(), measure::SEED).expect("a species in range")
+    Growth::new(Architecture::cottonwood(), measure::SEED).expect("a species in range")
 }
 
 /// What no way to make a skeleton can do without: its arrays filled and checked once.

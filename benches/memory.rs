@@ -9,7 +9,7 @@ use measure::{PRESET, SEED, count, label, number, print_table};
 use peak_alloc::PeakAlloc;
 use std::ops::ControlFlow;
 use std::sync::{Mutex, PoisonError};
-use treesynth::growth::{Growth, Species};
+use treesynth::growth::{Architecture, Growth};
 use treesynth::guided::{Search, SynthesisError, TreeSynth};
 use treesynth::surface::{Polygonizer, blob::Skin};
 use treesynth::{Observer, Progress, Work};
@@ -72,7 +72,7 @@ fn measure_one(synth: &TreeSynth) -> Result<Usage, SynthesisError> {
 /// The skin of the cottonwood at 26.6 years and polygons of it, in MB: what it holds, and the most while it is made.
 fn poplar() -> Vec<Vec<String>> {
     let age = if measure::is_test() { 5.6 } else { 26.6 };
-    let growth = Growth::new(Species::cottonwood(), SEED).expect("a species in range");
+    let growth = Growth::new(Architecture::cottonwood(), SEED).expect("a species in range");
     let skeleton = growth.at(age).expect("an age in range").skeleton;
     let mut rows = Vec::new();
     let mut note = |name: String, before: usize| {

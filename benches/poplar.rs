@@ -24,7 +24,7 @@ fn main() {
 }
 
 fn run() {
-    let preset = presets::grown_by_name("growth-15-cottonwood").expect("a preset of this name");
+    let preset = presets::by_name("growth-15-cottonwood").expect("a preset of this name").grown().unwrap();
     let grow = || preset.grow(SEED).expect("a species in range");
     let growth = grow();
     let age = if measure::is_test() { 8.6 } else { AGE };

@@ -4,7 +4,8 @@ mod measure;
 
 use measure::{Samples, count, number, print_table};
 use treesynth::Silent;
-use treesynth::variational::{VariationalSynth, by_name};
+use treesynth::presets;
+use treesynth::variational::VariationalSynth;
 
 /// Preset, shape nodes, branches, and the seconds of the paper's 3.4 GHz i7-2600.
 const TABLE_2: [(&str, usize, usize, f64); 3] = [
@@ -15,7 +16,7 @@ const TABLE_2: [(&str, usize, usize, f64); 3] = [
 const NODES: [usize; 4] = [3_000, 10_000, 30_000, 100_000];
 
 fn synth(preset: &str, nodes: usize) -> VariationalSynth {
-    by_name(preset).expect("a preset of this name").synth(nodes).expect("a shape")
+    presets::by_name(preset).unwrap().variational().unwrap().synth(nodes).expect("a shape")
 }
 
 fn main() {

@@ -25,7 +25,7 @@ fn stripes(light: &[u8], dark: &[u8]) -> Result<Image, Failure> {
 fn main() {
     common::run(|| {
         let folder = std::env::args().nth(1).ok_or("name a folder")?;
-        let preset = presets::by_name("figure-17e").ok_or("the preset is gone")?;
+        let preset = presets::by_name("figure-17e")?.guided()?;
         let skeleton = preset.synth(2_000).synthesize(preset.seed)?.relaxed(0.5, 3)?;
         let barks = Levels::default().with_count(3).of(&skeleton)?;
         let mut leaves =

@@ -12,6 +12,7 @@ use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 use treesynth::export::gltf::{GlbOptions, write_glb};
 use treesynth::glam::Vec2;
+use treesynth::presets::{self, Found};
 use treesynth::preview::{Picture, Preview, PreviewError};
 use treesynth::shape::{Import, Outline, Sketch, UpAxis};
 use treesynth::surface::Tubes;
@@ -92,9 +93,14 @@ fn run() -> Result<(), Failure> {
     let source = sources.pop().unwrap_or_else(|| Source::Preset("variational-14-oak".into()));
     let (name, synth, seed) = match source {
         Source::Preset(name) => {
-            let preset = variational::by_name(&name)
-                .ok_or_else(|| format!("--preset is {name:?}, but must be one of --list"))?;
-            (name, preset.synth(nodes.unwrap_or(preset.shape_nodes))?, seed.unwrap_or(preset.seed))
+            let preset = presets::by_name(&name)
+                .and_then(Found::variational)
+                .map_err(|error| format!("--preset: {error}; see --list"))?;
+            (
+                preset.name.to_owned(),
+                preset.synth(nodes.unwrap_or(preset.shape_nodes))?,
+                seed.unwrap_or(preset.seed),
+            )
         }
         Source::Mesh(path) => {
             let shape = read_mesh(&path, up, height)?;

@@ -19,7 +19,7 @@
 //! ```
 //! use treesynth::{Metrics, presets, surface::Tubes};
 //!
-//! let elm = presets::by_name("figure-07").expect("a preset");
+//! let elm = presets::by_name("figure-07")?.guided()?;
 //! let tree = elm.synth(10_000).synthesize(42)?;
 //! let mesh = Tubes::default().mesh(&tree)?;
 //! println!("{} triangles, {:.1} m tall", mesh.triangles().len(), Metrics::of(&tree).height);
@@ -38,8 +38,8 @@
 //! | feature | adds |
 //! |---|---|
 //! | `parallel` | graphs are built, forests grow, shapes are filled, closed surfaces and pictures made on rayon's threads; same bits |
-//! | `serde` | skeletons, metrics, forests and species with serde |
-//! | `json` | skeletons as JSON text, `export::json`; implies `serde` |
+//! | `serde` | skeletons, metrics, forests, species, options and recipes with serde |
+//! | `json` | skeletons as JSON text, `export::json`, and recipes; implies `serde` |
 //! | `mint` | `From` and `Into` between [`glam`]'s vectors and `mint`'s, for users on another glam version |
 //! | `texture` | images that surfaces wear, `texture`; trees within a budget, levels in leaf, impostors, `asset` |
 //! | `preview` | shaded PNG pictures without a GPU, `preview`; implies `texture` |

@@ -19,7 +19,7 @@ use std::ops::ControlFlow;
 ///     *last.lock().unwrap() = progress.fraction;
 ///     ControlFlow::Continue(())
 /// };
-/// presets::by_name("figure-05-left").unwrap().synth(2_000).synthesize_observed(7, &watch)?;
+/// presets::by_name("figure-05-left").unwrap().guided().unwrap().synth(2_000).synthesize_observed(7, &watch)?;
 /// assert_eq!(*last.lock().unwrap(), 1.0);
 /// # Ok::<(), treesynth::SynthesisError>(())
 /// ```

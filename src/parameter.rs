@@ -41,6 +41,7 @@ impl ParameterError {
 
 /// Numbers that may be infinite, in texts that know no such number: as the word `infinite`.
 #[cfg(feature = "serde")]
+#[allow(clippy::trivially_copy_pass_by_ref, reason = "as serde wants it")]
 pub(crate) mod maybe_infinite {
     use serde::de::{Deserializer, Error, Visitor};
     use serde::{Serialize, Serializer};
@@ -89,6 +90,7 @@ pub(crate) mod maybe_infinite {
 
 /// As [`maybe_infinite`], of numbers that may be missing.
 #[cfg(feature = "serde")]
+#[allow(clippy::trivially_copy_pass_by_ref, clippy::ref_option, reason = "as serde wants it")]
 pub(crate) mod maybe_infinite_or_none {
     use serde::{Deserialize, Deserializer, Serialize, Serializer};
 

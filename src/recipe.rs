@@ -1,4 +1,40 @@
-//! What recipes of built-in strategies are made with: an enum a trait, whose variants are the strategies themselves.
+//! What options have in common: to be read, and to be the variants of a recipe, an enum a trait, made of the strategies
+//! themselves.
+
+/// Gives options a method to read each of these fields, of the name that its `with_*` method has: values are copied, those
+/// of a type after `&` lent; `in part` for fields of a part, `@[...]` for generics.
+macro_rules! readable {
+    (& $(@[$($generics:tt)*])? $name:ty { $($field:ident: $type:ty),* $(,)? }) => {
+        impl $(<$($generics)*>)? $name {
+            $(
+                #[doc = concat!("What [`with_", stringify!($field), "`](Self::with_", stringify!($field), ") sets.")]
+                pub fn $field(&self) -> &$type {
+                    &self.$field
+                }
+            )*
+        }
+    };
+    (in $part:ident: $name:ty { $($field:ident: $type:ty),* $(,)? }) => {
+        impl $name {
+            $(
+                #[doc = concat!("What [`with_", stringify!($field), "`](Self::with_", stringify!($field), ") sets.")]
+                pub fn $field(&self) -> $type {
+                    self.$part.$field
+                }
+            )*
+        }
+    };
+    ($(@[$($generics:tt)*])? $name:ty { $($field:ident: $type:ty),* $(,)? }) => {
+        impl $(<$($generics)*>)? $name {
+            $(
+                #[doc = concat!("What [`with_", stringify!($field), "`](Self::with_", stringify!($field), ") sets.")]
+                pub fn $field(&self) -> $type {
+                    self.$field
+                }
+            )*
+        }
+    };
+}
 
 /// Gives a type of one part or two a method that puts other parts in their places and keeps the other fields.
 macro_rules! mapped {
@@ -91,4 +127,4 @@ macro_rules! recipe {
     };
 }
 
-pub(crate) use {mapped, recipe};
+pub(crate) use {mapped, readable, recipe};

@@ -17,7 +17,7 @@ pub(crate) const SEED: u64 = 1;
 
 /// The tree of [`PRESET`] on a graph of about so many nodes.
 pub(crate) fn tree(nodes: usize) -> TreeSynth {
-    presets::by_name(PRESET).expect("a preset of this name").synth(nodes)
+    presets::by_name(PRESET).expect("a preset of this name").guided().unwrap().synth(nodes)
 }
 
 /// Whether all benches are only to be run once, to see that they work: `cargo bench -- --test`.

@@ -168,7 +168,7 @@ fn sketched(strokes: &[Stroke], width: u32, height: u32) -> Result<Picture, Fail
 }
 
 fn like(name: &str, options: &Options) -> Result<(), Failure> {
-    let preset = presets::by_name(name).ok_or_else(|| format!("no preset {name}"))?;
+    let preset = presets::by_name(name)?.guided()?;
     let tree = preset.synth(options.nodes).synthesize(options.seed)?;
     let example = Example::of(&tree)?.tuned(options.nodes, 8)?;
     let mut pictures = vec![portrait("example", &tree, options)?];

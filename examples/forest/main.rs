@@ -12,7 +12,7 @@ use options::Options;
 use std::ops::ControlFlow;
 use treesynth::export::gltf::{GlbOptions, write_glb_parts};
 use treesynth::foliage::Leaves;
-use treesynth::presets::{self, Season, Stand};
+use treesynth::presets::{self, Found, Season, Stand};
 use treesynth::preview::{Camera, Picture, Preview};
 use treesynth::surface::{Mesh, Part, Tubes};
 use treesynth::{Bounds, Forest, Progress, Work};
@@ -25,8 +25,9 @@ fn main() {
 }
 
 fn run(options: &Options) -> Result<(), Failure> {
-    let stand = presets::stand_by_name(&options.preset)
-        .ok_or_else(|| format!("--preset is {:?}, but must be one of --list", options.preset))?;
+    let stand = presets::by_name(&options.preset)
+        .and_then(Found::stand)
+        .map_err(|error| format!("--preset: {error}; see --list"))?;
     let mut outputs = Outputs::new("--out", &options.out)?;
     let seasons = options.seasons.unwrap_or(stand.seasons);
     let seed = options.seed.unwrap_or(stand.seed);

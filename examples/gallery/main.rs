@@ -69,7 +69,7 @@ fn run() -> Result<(), Failure> {
     }
     let mut sheets: BTreeMap<u8, Vec<Picture>> = BTreeMap::new();
     let mut summers = Vec::new();
-    for preset in presets::all().filter(|preset| preset.name.contains(&options.only)) {
+    for preset in presets::guided().filter(|preset| preset.name.contains(&options.only)) {
         let pictures = draw(preset, &options)?;
         if let Some(last) = pictures.last() {
             write(&options.out.join(format!("{}.png", preset.name)), last)?;
@@ -112,7 +112,8 @@ fn overview(options: &Options) -> Result<(), Failure> {
     let small = Options { size: 140, out: options.out.clone(), only: String::new(), ..*options };
     let names = ["figure-06a", "figure-07", "figure-13", "figure-16-05", "figure-17d", "figure-17g"];
     let mut pictures = Vec::new();
-    for preset in names.into_iter().filter_map(presets::by_name) {
+    for name in names {
+        let preset = presets::by_name(name)?.guided()?;
         let synth = preset.synth(options.nodes);
         let graph = synth.build_graph(preset.seed, &Silent)?;
         pictures.push(draw_stages(preset, &synth, &graph, synth.stages().len(), Season::Winter, &small)?);

@@ -13,7 +13,7 @@ use options::Options;
 use treesynth::export::gltf::{GlbOptions, write_glb_parts};
 use treesynth::foliage::{Leaf, Leaves};
 use treesynth::growth::{Growth, TreeAtAge};
-use treesynth::presets::Grown;
+use treesynth::presets::{self, Found, Grown};
 use treesynth::preview::{Camera, Picture, Preview, RayCaster};
 use treesynth::surface::{Mesh, Part, Tubes};
 use treesynth::{Bounds, Silent};
@@ -26,10 +26,12 @@ fn main() {
 }
 
 fn run(options: &Options) -> Result<(), Failure> {
-    let preset = options::species()
-        .find(|preset| preset.name == options.species)
-        .or_else(|| options::species().find(|preset| preset.name.ends_with(&options.species)))
-        .ok_or_else(|| format!("--species is {:?}, but must be one of --list", options.species))?;
+    let preset = match options::species().find(|preset| preset.name.ends_with(&options.species)) {
+        Some(preset) => preset,
+        None => presets::by_name(&options.species)
+            .and_then(Found::grown)
+            .map_err(|error| format!("--species: {error}; see --list"))?,
+    };
     let folder = options.out.join(preset.name);
     let mut outputs = Outputs::new("--out", &options.out)?;
     let growth = preset.grow(options.seed.unwrap_or(preset.seed))?;

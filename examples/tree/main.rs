@@ -14,8 +14,9 @@ use common::{Failure, Outputs, print};
 use levels::Model;
 use options::Options;
 use std::time::Instant;
+use treesynth::Metrics;
 use treesynth::guided::Search;
-use treesynth::{Metrics, presets};
+use treesynth::presets::{self, Found};
 
 fn main() {
     common::run(|| match Options::from_arguments()? {
@@ -29,7 +30,8 @@ fn run(options: &Options) -> Result<(), Failure> {
         rayon::ThreadPoolBuilder::new().num_threads(threads).build_global()?;
     }
     let preset = presets::by_name(&options.preset)
-        .ok_or_else(|| format!("--preset is {:?}, but must be one of --list", options.preset))?;
+        .and_then(Found::guided)
+        .map_err(|error| format!("--preset: {error}; see --list"))?;
     let seed = options.seed.unwrap_or(preset.seed);
     let mut outputs = Outputs::new("--out", &options.out)?;
     if let Some(path) = &options.stats {

@@ -151,7 +151,7 @@ impl Options {
                 Long("out") => options.out = arguments.value()?.into(),
                 Long("stats") => options.stats = Some(text(&mut arguments, "--stats")?.into()),
                 Long("list") => {
-                    print(presets::all().map(|preset| format!("{:26} {}", preset.name, preset.caption)));
+                    print(presets::guided().map(|preset| format!("{:26} {}", preset.name, preset.caption)));
                     return Ok(None);
                 }
                 Long("help") | Short('h') => {

@@ -11,15 +11,17 @@ use std::sync::Arc;
 
 /// Makes [`Asset`]s: a tree's bark and leaves within a budget of triangles.
 #[must_use]
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
 pub struct AssetBuilder {
     pub(super) bark: Material,
+    /// Images are no options: they are not written.
+    #[cfg_attr(feature = "serde", serde(skip))]
     pub(super) bark_textures: Option<Arc<Textures>>,
+    #[cfg_attr(feature = "serde", serde(skip))]
     young: Option<Young>,
     pub(super) twigs: Option<Material>,
-    pub(super) tubes: Tubes,
-    /// Whether vertices have wind only to tell their nodes.
-    still: bool,
+    tubes: Tubes,
     pub(super) foliage: Option<Foliage>,
     pub(super) triangles: Option<usize>,
     pub(super) bark_share: f32,
@@ -29,6 +31,25 @@ pub struct AssetBuilder {
     pub(super) canopy_shade: f32,
     pub(super) bent_normals: f32,
 }
+
+impl AssetBuilder {
+    /// What [`with_bark_textures`](Self::with_bark_textures) sets.
+    pub fn bark_textures(&self) -> Option<&Textures> {
+        self.bark_textures.as_deref()
+    }
+
+    /// What [`with_foliage`](Self::with_foliage) sets.
+    pub fn foliage(&self) -> Option<&Foliage> {
+        self.foliage.as_ref()
+    }
+}
+
+crate::recipe::readable!(AssetBuilder {
+    bark: Material, twigs: Option<Material>, triangles: Option<usize>, bark_share: f32, kinds: u32,
+    texture_size: u32, leaf_size: Option<u32>, canopy_shade: f32, bent_normals: f32,
+});
+
+crate::recipe::readable!(&AssetBuilder { tubes: Tubes });
 
 impl Default for AssetBuilder {
     /// 10,000 triangles, of which bark gets at most 35%; the default bark without images; no leaves; 8 kinds of cards in
@@ -40,7 +61,6 @@ impl Default for AssetBuilder {
             young: None,
             twigs: None,
             tubes: Tubes::default(),
-            still: true,
             foliage: None,
             triangles: Some(10_000),
             bark_share: 0.35,
@@ -76,7 +96,6 @@ impl AssetBuilder {
     /// part, `young bark`.
     pub fn with_young_bark(mut self, textures: Textures, tile: f32, radius: f32) -> Self {
         self.young = Some(Young { textures: Arc::new(textures), tile, radius });
-        self.tubes = self.tubes.with_wind(true);
         self
     }
 
@@ -110,8 +129,7 @@ impl AssetBuilder {
 
     /// How the bark is made: collars, root flare, squares of bark, wind. Within a budget its sides and turn do not matter.
     pub fn with_tubes(mut self, tubes: Tubes) -> Self {
-        self.still = !tubes.has_wind();
-        self.tubes = if self.young.is_some() { tubes.with_wind(true) } else { tubes };
+        self.tubes = tubes;
         self
     }
 
@@ -244,10 +262,15 @@ impl AssetBuilder {
         Ok(())
     }
 
+    /// The tubes as the bark is made: where thin wood is another piece, their wind tells the node of each vertex.
+    pub(super) fn own_tubes(&self) -> Tubes {
+        if self.young.is_some() { self.tubes.clone().with_wind(true) } else { self.tubes.clone() }
+    }
+
     /// Takes thin wood out of the bark, and from both the wind that nobody asked for.
     pub(super) fn split(&self, bark: &mut Piece, skeleton: &Skeleton) -> Option<Piece> {
         let mut young = self.young.as_ref()?.split(bark, skeleton, self.tubes.has_even_texels());
-        if self.still {
+        if !self.tubes.has_wind() {
             bark.mesh.wind = Vec::new();
             young.mesh.wind = Vec::new();
         }

@@ -17,7 +17,7 @@ impl Asset {
     /// ```
     /// use treesynth::{asset::AssetBuilder, presets, surface::Mask, texture::Coat};
     ///
-    /// let tree = presets::by_name("figure-06b").unwrap().synth(2000).synthesize(1)?;
+    /// let tree = presets::by_name("figure-06b").unwrap().guided().unwrap().synth(2000).synthesize(1)?;
     /// let asset = AssetBuilder::default().with_triangles(Some(3_000)).build(&tree, 1)?;
     /// let snow = Coat::snow().with_resolution(64).bake()?;
     /// let white = asset.coated("snow", &Mask::snow(), &snow.textures, 0.02)?;

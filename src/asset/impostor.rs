@@ -22,7 +22,7 @@ const SAMPLES: usize = 3;
 /// use treesynth::asset::{AssetBuilder, Impostor};
 /// use treesynth::presets;
 ///
-/// let tree = presets::by_name("figure-06b").unwrap().synth(2000).synthesize(1)?;
+/// let tree = presets::by_name("figure-06b").unwrap().guided().unwrap().synth(2000).synthesize(1)?;
 /// let dense = AssetBuilder::default().with_triangles(None).build(&tree, 1)?;
 /// let far = Impostor::default().with_texture_size(256).billboards(&dense.parts())?;
 /// assert_eq!(far.triangles(), 12);
@@ -30,12 +30,15 @@ const SAMPLES: usize = 3;
 /// ```
 #[must_use]
 #[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
 pub struct Impostor {
     planes: u32,
     lying: bool,
     texture_size: u32,
     grid: u32,
 }
+
+crate::recipe::readable!(Impostor { planes: u32, lying: bool, texture_size: u32, grid: u32 });
 
 impl Default for Impostor {
     /// Three upright pictures and none that lies, in an image of 512 pixels; 8 x 8 views.

@@ -57,7 +57,7 @@ impl<'a> Tree<'a> {
         for leaves in leaves {
             leaves.part().check::<AssetError>()?;
         }
-        let bark = match builder.tubes.mesh(skeleton) {
+        let bark = match builder.own_tubes().mesh(skeleton) {
             Ok(mesh) => mesh,
             // A tree whose wood is not thick at all still has leaves.
             Err(SurfaceError::NoRadii { .. }) if copies().next().is_some() => Mesh::default(),
@@ -181,7 +181,7 @@ impl<'a> Tree<'a> {
         if self.bark.triangles().len() <= share {
             return Ok((self.bark.clone(), 0.0, vec![true; branches]));
         }
-        let tubes = &self.builder.tubes;
+        let tubes = &self.builder.own_tubes();
         let within = match tubes.within_keeping(self.skeleton, share) {
             Err(SurfaceError::TooFewTriangles { least, .. }) if least + card <= most => {
                 tubes.within_keeping(self.skeleton, least)

@@ -15,7 +15,7 @@ impl Asset {
     /// ```
     /// use treesynth::{asset::AssetBuilder, presets, surface::Sway};
     ///
-    /// let preset = presets::by_name("figure-06b").unwrap();
+    /// let preset = presets::by_name("figure-06b").unwrap().guided().unwrap();
     /// let tree = preset.synth(2000).synthesize(1)?;
     /// let foliage = preset.foliage(presets::Season::Summer).unwrap();
     /// let asset = AssetBuilder::default().with_foliage(foliage).build(&tree, 1)?;

@@ -20,7 +20,7 @@ const FADES: (f32, f32) = (2.0, 0.4);
 const SAME: f32 = 0.004;
 
 /// The images of thin wood, and what is thin.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, PartialEq)]
 pub(super) struct Young {
     pub(super) textures: Arc<Textures>,
     /// The side of the tile, metres.
@@ -185,7 +185,7 @@ mod tests {
 
     fn assets(check: impl Fn(&str, &Skeleton, &Asset, &Asset)) {
         for (name, nodes) in [("figure-06b", 2000), ("figure-18", 3000), ("fine-oak", 3000)] {
-            let preset = presets::by_name(name).expect("a preset");
+            let preset = presets::by_name(name).expect("a preset").guided().expect("guided");
             for seed in 0..2 {
                 let tree = preset.synth(nodes).synthesize(seed).expect("a tree");
                 let tubes = Tubes::default().with_square_tiles(true).with_tile(0.5);

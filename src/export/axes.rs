@@ -26,11 +26,14 @@ use glam::Vec3;
 /// ```
 #[must_use]
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
 pub struct Axes {
     up: UpAxis,
     unit: f32,
     origin: Vec3,
 }
+
+crate::recipe::readable!(Axes { up: UpAxis, unit: f32, origin: Vec3 });
 
 impl Default for Axes {
     /// +Y up, metres, the origin where it is, as everywhere in this crate.
@@ -62,16 +65,6 @@ impl Axes {
         let unit = self.unit;
         ParameterError::unless((1e-6..=1e6).contains(&unit), "Axes.unit", unit, "1e-6 to 1e6 metres")?;
         ParameterError::unless(self.origin.is_finite(), "Axes.origin", self.origin, "finite, metres")
-    }
-
-    /// Which axis points up.
-    pub(super) fn up(self) -> UpAxis {
-        self.up
-    }
-
-    /// Metres in a unit.
-    pub(super) fn unit(self) -> f32 {
-        self.unit
     }
 
     /// A direction in the file's axes.

@@ -9,6 +9,7 @@ use std::io::{self, Write};
 /// How a skeleton is drawn.
 #[must_use]
 #[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
 pub struct SvgOptions {
     size: f32,
     azimuth: f32,
@@ -16,6 +17,14 @@ pub struct SvgOptions {
     material: Material,
     thinnest: f32,
 }
+
+crate::recipe::readable!(SvgOptions {
+    size: f32,
+    azimuth: f32,
+    elevation: f32,
+    material: Material,
+    thinnest: f32,
+});
 
 impl Default for SvgOptions {
     /// 1000 units on the longer side, seen level from the front (+Z), [`Material::bark`], no line thinner than 0.3.

@@ -39,6 +39,15 @@ pub struct UsdStage<'a> {
     content: Content<'a>,
 }
 
+impl UsdStage<'_> {
+    /// What [`with_name`](Self::with_name) sets.
+    pub fn name(&self) -> &str {
+        &self.name
+    }
+}
+
+crate::recipe::readable!(UsdStage<'_> { axes: Axes });
+
 #[derive(Debug, Clone)]
 enum Content<'a> {
     Parts(Vec<Part<'a>>),

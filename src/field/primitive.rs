@@ -66,6 +66,8 @@ pub struct Source {
     core: f32,
 }
 
+crate::recipe::readable!(Source { core: f32 });
+
 impl Source {
     /// The source at `center` (metres, at most 1e6 from 0 on each axis) of `strength`, from 1e-6 to 1e6, with a
     /// core of 0.1 m.
@@ -108,6 +110,8 @@ pub struct Sink {
     strength: f32,
     core: f32,
 }
+
+crate::recipe::readable!(Sink { core: f32 });
 
 impl Sink {
     /// The sink at `center` (metres, at most 1e6 from 0 on each axis) of `strength`, from 1e-6 to 1e6, with a
@@ -157,6 +161,8 @@ pub struct Vortex {
     strength: f32,
     core: f32,
 }
+
+crate::recipe::readable!(Vortex { core: f32 });
 
 impl Vortex {
     /// The vortex around the line through `center` (metres, at most 1e6 from 0 on each axis) along `axis` (any

@@ -8,6 +8,11 @@ const GOLDEN_ANGLE: f32 = 2.399_963_2;
 
 /// Phyllotaxis: how many leaves stand at one height of a twig, and by what angle the next ones are turned.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(rename_all = "snake_case", deny_unknown_fields)
+)]
 #[non_exhaustive]
 pub enum Arrangement {
     /// One at a time, on two sides in turn, in the plane that lies flattest: elm, beech, linden.

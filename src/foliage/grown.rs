@@ -12,9 +12,9 @@ impl Leaves {
     ///
     /// ```
     /// use treesynth::foliage::{Leaf, Leaves};
-    /// use treesynth::growth::{Growth, Species};
+    /// use treesynth::growth::{Growth, Architecture};
     ///
-    /// let tree = Growth::new(Species::cottonwood(), 1)?;
+    /// let tree = Growth::new(Architecture::cottonwood(), 1)?;
     /// assert!(Leaves::grown(&tree.at(5.1)?, &Leaf::deltoid()).is_empty(), "it is winter");
     /// let summer = tree.at(5.6)?;
     /// let leaves = Leaves::grown(&summer, &Leaf::deltoid());

@@ -96,6 +96,7 @@ impl Leaves {
 /// others are [thinned](Self::with_kept) out. O(nodes + leaves) time; 48 bytes of memory a leaf.
 #[must_use]
 #[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
 pub struct Foliage {
     leaf: Leaf,
     arrangement: Arrangement,
@@ -114,6 +115,31 @@ pub struct Foliage {
     kept: f32,
     tint_variation: f32,
 }
+
+impl Foliage {
+    /// What [`with_material`](Self::with_material) sets: the leaf's material.
+    pub fn material(&self) -> Material {
+        self.leaf.material()
+    }
+}
+
+crate::recipe::readable!(Foliage {
+    arrangement: Arrangement,
+    spacing: f32,
+    size: f32,
+    size_at_tip: f32,
+    size_by_order: f32,
+    size_variation: f32,
+    reach: f32,
+    thickest: f32,
+    angle: f32,
+    rise: f32,
+    light: Vec3,
+    turn: f32,
+    disorder: f32,
+    kept: f32,
+    tint_variation: f32,
+});
 
 impl Foliage {
     /// These leaves, in the default manner of each option below: one every 3 cm in turn on both sides, 7 cm long,

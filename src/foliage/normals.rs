@@ -22,7 +22,7 @@ const ONSET: f32 = 4.0;
 /// use treesynth::foliage::{Foliage, Leaf, bend_normals};
 /// use treesynth::{presets, surface::Sway};
 ///
-/// let tree = presets::by_name("figure-06b").unwrap().synth(1000).synthesize(1)?;
+/// let tree = presets::by_name("figure-06b").unwrap().guided().unwrap().synth(1000).synthesize(1)?;
 /// let mut leaves = Foliage::new(Leaf::ovate()).place(&tree, 1)?.mesh_in_wind(&Sway::of(&tree)?)?;
 /// bend_normals(&mut leaves, 0.5)?;
 /// leaves.check()?;

@@ -26,7 +26,7 @@ impl Leaves {
     /// use treesynth::foliage::{Foliage, Leaf};
     /// use treesynth::presets;
     ///
-    /// let tree = presets::by_name("figure-06b").unwrap().synth(1000).synthesize(1)?;
+    /// let tree = presets::by_name("figure-06b").unwrap().guided().unwrap().synth(1000).synthesize(1)?;
     /// let leaves = Foliage::new(Leaf::ovate()).place(&tree, 1)?.shaded(0.7)?;
     /// let green = |leaf: &treesynth::surface::Instance| leaf.tint[1];
     /// assert!(leaves.instances.iter().map(green).fold(1.0, f32::min) >= 0.3);

@@ -104,7 +104,7 @@ mod tests {
     #[test]
     fn leaves_stay_on_their_twigs() {
         for name in ["figure-06c", "figure-17e", "fine-oak"] {
-            let preset = presets::by_name(name).expect("a preset");
+            let preset = presets::by_name(name).expect("a preset").guided().unwrap();
             let tree =
                 preset.synth(4000).synthesize(preset.seed).expect("a tree").relaxed(0.5, 3).expect("sound");
             let leaves = Foliage::new(Leaf::ovate().with_petiole(0.3)).place(&tree, 1).expect("leaves");

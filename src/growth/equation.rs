@@ -1,6 +1,6 @@
 //! Equations 5 to 15 of the paper, each by itself.
 //!
-//! G with an index is a curve of the [`Species`](super::Species); lengths are metres, angles radians, times years.
+//! G with an index is a curve of the [`Architecture`](super::Architecture); lengths are metres, angles radians, times years.
 
 use super::Curve;
 

@@ -2,7 +2,7 @@
 
 use super::equation as eq;
 use super::structure::{Axis, Draw, FORK_ANGLE, Shoot};
-use super::{Growth, Phenology, Species};
+use super::{Architecture, Growth, Phenology};
 use crate::math::{self, UP, parallel_transport};
 use crate::random::{Purpose, unit};
 use crate::skeleton::{Skeleton, SkeletonError};
@@ -112,7 +112,7 @@ pub(super) fn at(growth: &Growth, age: f32) -> Result<TreeAtAge, SkeletonError> 
 
 struct Layout<'a> {
     growth: &'a Growth,
-    species: &'a Species,
+    architecture: &'a Architecture,
     age: f32,
     /// The year at hand, from 1; 0 for a seed.
     year: u16,
@@ -142,8 +142,8 @@ struct Layout<'a> {
 
 impl<'a> Layout<'a> {
     fn new(growth: &'a Growth, age: f32) -> Self {
-        let species = &growth.species;
-        let phenology = &species.phenology;
+        let architecture = &growth.architecture;
+        let phenology = &architecture.phenology;
         let year = age.ceil() as u16;
         let time = age - (f32::from(year) - 1.0);
         let colors = std::array::from_fn(|tone| {
@@ -152,7 +152,7 @@ impl<'a> Layout<'a> {
         });
         Self {
             growth,
-            species,
+            architecture,
             age,
             year,
             time,
@@ -194,7 +194,7 @@ impl<'a> Layout<'a> {
     /// One branch from its base to its tip.
     fn lay_out(&mut self, number: usize, axis: &Axis, base: Base) {
         let growth = self.growth;
-        let species = self.species;
+        let architecture = self.architecture;
         let is_dead = axis.died <= self.age;
         let shoots = growth.structure.shoots_until(axis, axis.last_year(self.year));
         let last = shoots.len() - 1;
@@ -203,7 +203,7 @@ impl<'a> Layout<'a> {
         let unfolding = shoots[last].metamers - before.metamers;
         let sums = if is_dead {
             let progress = 1.0;
-            Unfolded::new(&species.phenology, progress, unfolding)
+            Unfolded::new(&architecture.phenology, progress, unfolding)
         } else {
             std::mem::take(self.unfolded(unfolding))
         };
@@ -268,9 +268,9 @@ impl<'a> Layout<'a> {
                             self.bases[branch as usize] = Some(path.lateral(lateral, direction, at));
                         }
                     }
-                    let is_young = !is_dead && self.year - year < species.phenology.leaf_years.max(2);
+                    let is_young = !is_dead && self.year - year < architecture.phenology.leaf_years.max(2);
                     if is_young {
-                        for place in 0..species.whorl {
+                        for place in 0..architecture.whorl {
                             self.organs(&path, at, direction, radius, year, (bearer, place), k, metamers);
                         }
                     }
@@ -292,7 +292,7 @@ impl<'a> Layout<'a> {
         if self.unfolded.len() <= number {
             self.unfolded.resize_with(number + 1, || None);
         }
-        let (phenology, progress) = (&self.species.phenology, self.progress);
+        let (phenology, progress) = (&self.architecture.phenology, self.progress);
         self.unfolded[number].get_or_insert_with(|| Unfolded::new(phenology, progress, metamers))
     }
 
@@ -321,7 +321,7 @@ impl<'a> Layout<'a> {
         number: u32,
         of: u32,
     ) {
-        let phenology = &self.species.phenology;
+        let phenology = &self.architecture.phenology;
         let winters = self.year - year;
         let outward = path.outward(direction, path.azimuth(bearer, place));
         let position = at.position + outward * radius;
@@ -360,7 +360,7 @@ impl<'a> Layout<'a> {
 
     fn apical_bud(&mut self, at: Foot, direction: Vec3, last: usize) {
         let started = self.progress > 0.0;
-        let phenology = &self.species.phenology;
+        let phenology = &self.architecture.phenology;
         let growth = if started {
             phenology.bud(self.time, 1, 1)
         } else if last > 0 {
@@ -394,7 +394,7 @@ struct Foot {
 
 /// The course of one branch.
 struct Path<'a> {
-    species: &'a Species,
+    architecture: &'a Architecture,
     seed: u64,
     number: u64,
     order: u16,
@@ -414,20 +414,20 @@ struct Path<'a> {
 
 impl<'a> Path<'a> {
     fn new(growth: &'a Growth, number: usize, axis: &Axis, base: Base, length: f32) -> Self {
-        let species = &growth.species;
+        let architecture = &growth.architecture;
         let number = number as u64;
         // Where the trunk's laterals begin is fixed, so that drawings of flat trees are seen from the front.
         let turn =
             if number == 0 { 0.0 } else { unit(growth.seed, Draw::Azimuth as u32, Purpose::GROWTH, number) };
         Self {
-            species,
+            architecture,
             seed: growth.seed,
             number,
             order: axis.order,
             base,
             aside: base.heading.cross(base.inwards),
             length,
-            share: eq::length_share(length, species.longest_branch),
+            share: eq::length_share(length, architecture.longest_branch),
             turn: f64::from(turn) * std::f64::consts::TAU,
             strays: [[0.0; 2]; 2],
             forks: Vec::new(),
@@ -437,7 +437,7 @@ impl<'a> Path<'a> {
     /// Goes on to the shoot of a year.
     fn stray(&mut self, year: u16) {
         let index = self.number << 16 | u64::from(year);
-        let breadth = self.species.variation * if self.order == 0 { TRUNK } else { 1.0 };
+        let breadth = self.architecture.variation * if self.order == 0 { TRUNK } else { 1.0 };
         let [_, before] = self.strays;
         let draw = |draw: Draw| 2.0 * unit(self.seed, draw as u32, Purpose::GROWTH, index) - 1.0;
         let next = [Draw::Stray, Draw::Aside].map(|kind| breadth * draw(kind));
@@ -467,16 +467,17 @@ impl<'a> Path<'a> {
         if self.order == 0 {
             return (heading + strayed).normalize_or(heading);
         }
-        let (short, long) = (self.species.short_heading.at(place), self.species.long_heading.at(place));
+        let (short, long) =
+            (self.architecture.short_heading.at(place), self.architecture.long_heading.at(place));
         let (sin, cos) = math::sin_cos(eq::heading(self.share, short, long));
         let turned = heading * cos + inwards * sin;
-        (turned + strayed + UP * (self.species.tropism * place)).normalize_or(turned)
+        (turned + strayed + UP * (self.architecture.tropism * place)).normalize_or(turned)
     }
 
     /// Of one of the whorl that a metamer bears, about the branch, radians.
     fn azimuth(&self, bearer: u32, place: u16) -> f32 {
-        let around = std::f64::consts::TAU * f64::from(place) / f64::from(self.species.whorl);
-        let turned = f64::from(self.species.divergence) * f64::from(bearer) + self.turn + around;
+        let around = std::f64::consts::TAU * f64::from(place) / f64::from(self.architecture.whorl);
+        let turned = f64::from(self.architecture.divergence) * f64::from(bearer) + self.turn + around;
         (turned % std::f64::consts::TAU) as f32
     }
 

@@ -1,7 +1,7 @@
 //! Eight species, told apart by curves and limits alone. Heights and habits are as floras give them; the curves are drawn
 //! by eye.
 
-use super::{Curve, Phenology, Species};
+use super::{Architecture, Curve, Phenology};
 use crate::math;
 use std::f32::consts::FRAC_PI_2;
 
@@ -11,7 +11,7 @@ pub(super) const LIGHT_TURN: f32 = 1.5;
 /// The golden angle, as the paper rounds it.
 const DIVERGENCE: f32 = 2.399_827_7;
 
-impl Default for Species {
+impl Default for Architecture {
     /// As [`cottonwood`](Self::cottonwood).
     fn default() -> Self {
         Self::cottonwood()
@@ -47,7 +47,7 @@ impl Default for Phenology {
     }
 }
 
-impl Species {
+impl Architecture {
     /// *Populus deltoides*, the Eastern cottonwood, over 27 years: the paper's tree.
     ///
     /// For some years a broom stick with short branches, it gets a rounded crown of long, well developed limbs, which

@@ -1,7 +1,7 @@
 //! Trees over the years, by positional information: what grows where is said, not why.
 //!
 //! After Galbraith, Mündermann and Wyvill 2004, "Implicit visualization and inverse modeling of growing trees". All of a
-//! tree, at every age, follows from [`Curve`]s over relative positions and relative time, which a [`Species`] holds.
+//! tree, at every age, follows from [`Curve`]s over relative positions and relative time, which a [`Architecture`] holds.
 //! [`Growth`] works out once which branches a tree ever has, then gives it at any real age as a [`Skeleton`] with radii,
 //! leaves and buds; nodes keep their numbers from age to age. The paper's equations are functions in [`equation`].
 //!
@@ -11,20 +11,20 @@
 //!
 //! [`Skeleton`]: crate::Skeleton
 
+mod architecture;
 mod curve;
 pub mod equation;
 mod form;
 mod kinds;
 mod phenology;
-mod species;
 mod structure;
 mod thickness;
 mod timeline;
 
+pub use architecture::Architecture;
 pub use curve::Curve;
 pub use form::{Bud, Leaf, TreeAtAge};
 pub use phenology::Phenology;
-pub use species::Species;
 pub use timeline::Timeline;
 
 use crate::ParameterError;
@@ -65,9 +65,9 @@ pub enum GrowthError {
 /// A tree of a species, to be had at any age.
 ///
 /// ```
-/// use treesynth::growth::{Growth, Species};
+/// use treesynth::growth::{Growth, Architecture};
 ///
-/// let tree = Growth::new(Species::default().with_most_order(1), 1)?;
+/// let tree = Growth::new(Architecture::default().with_most_order(1), 1)?;
 /// let young = tree.at(4.5)?;
 /// let old = tree.at(9.5)?;
 /// assert!(old.skeleton.len() > young.skeleton.len());
@@ -78,7 +78,7 @@ pub enum GrowthError {
 /// ```
 #[derive(Debug, Clone)]
 pub struct Growth {
-    species: Species,
+    architecture: Architecture,
     seed: u64,
     most_nodes: u32,
     structure: Structure,
@@ -91,10 +91,10 @@ impl Growth {
     /// O(branches · years) time; 12 bytes a branch and year, 44 bytes a branch.
     ///
     /// # Errors
-    /// What [`Species::check`] finds. A species that runs away is no error here but in [`at`](Self::at), for the ages
+    /// What [`Architecture::check`] finds. A species that runs away is no error here but in [`at`](Self::at), for the ages
     /// that are missing.
-    pub fn new(species: Species, seed: u64) -> Result<Self, ParameterError> {
-        Self::with_most_nodes(species, seed, MOST_NODES)
+    pub fn new(architecture: Architecture, seed: u64) -> Result<Self, ParameterError> {
+        Self::with_most_nodes(architecture, seed, MOST_NODES)
     }
 
     /// As [`new`](Self::new), with another limit of nodes, 1 to 2³¹. Nodes that are lost again count too. The year that
@@ -103,13 +103,17 @@ impl Growth {
     ///
     /// # Errors
     /// As `new`, and a limit out of range.
-    pub fn with_most_nodes(species: Species, seed: u64, most_nodes: u32) -> Result<Self, ParameterError> {
-        species.check()?;
+    pub fn with_most_nodes(
+        architecture: Architecture,
+        seed: u64,
+        most_nodes: u32,
+    ) -> Result<Self, ParameterError> {
+        architecture.check()?;
         let holds = (1..=1 << 31).contains(&most_nodes);
         ParameterError::unless(holds, "Growth.most_nodes", most_nodes, "1 to 2^31")?;
-        let structure = Structure::new(&species, seed, most_nodes);
-        let thickness = Thickness::new(&species, structure.trunk_length(), structure.all_pipes());
-        Ok(Self { species, seed, most_nodes, structure, thickness })
+        let structure = Structure::new(&architecture, seed, most_nodes);
+        let thickness = Thickness::new(&architecture, structure.trunk_length(), structure.all_pipes());
+        Ok(Self { architecture, seed, most_nodes, structure, thickness })
     }
 
     /// The tree at an age in years since germination, 0 to the species' greatest age. At 0 it is a root alone, of which no
@@ -123,7 +127,7 @@ impl Growth {
     /// # Errors
     /// An age that is negative, not finite or greater than the greatest; [`GrowthError::Limit`] where years are missing.
     pub fn at(&self, age: f32) -> Result<TreeAtAge, GrowthError> {
-        let most = self.species.years;
+        let most = self.architecture.years;
         let holds = age >= 0.0 && age <= f32::from(most);
         let range = format!("0 to {most} years, the greatest age of the species");
         ParameterError::unless(holds, "Growth.age", age, &range)?;
@@ -150,7 +154,7 @@ impl Growth {
     }
 
     /// The species.
-    pub fn species(&self) -> &Species {
-        &self.species
+    pub fn architecture(&self) -> &Architecture {
+        &self.architecture
     }
 }

@@ -28,6 +28,24 @@ pub struct Phenology {
     pub(super) leaf_share: Curve,
 }
 
+crate::recipe::readable!(Phenology {
+    season: [f32; 2],
+    leaf_years: u16,
+    stagger: f32,
+    bud_size: f32,
+    light_turn: f32,
+    leaf_angle: f32,
+});
+
+crate::recipe::readable!(&Phenology {
+    leaf_colors: [Curve; 3],
+    internode_growth: Curve,
+    leaf_growth: Curve,
+    bud_growth: Curve,
+    leaf_size: Curve,
+    leaf_share: Curve,
+});
+
 #[cfg(feature = "serde")]
 fn light_turn() -> f32 {
     super::kinds::LIGHT_TURN
@@ -182,14 +200,14 @@ impl Phenology {
 
 #[cfg(test)]
 mod tests {
-    use crate::growth::Species;
+    use crate::growth::Architecture;
 
     /// By hand: season 0.3 to 0.7, stagger 0.5, four metamers: they start at 0, 0.125, 0.25 and 0.375 of the season
     /// and take half of it each.
     #[test]
     fn metamers_follow_each_other() {
-        let species = Species::default();
-        let year = species.phenology().clone().with_season(0.3, 0.7).with_stagger(0.5);
+        let architecture = Architecture::default();
+        let year = architecture.phenology().clone().with_season(0.3, 0.7).with_stagger(0.5);
         assert!((year.progress(0.5) - 0.5).abs() < 1e-6);
         assert!(year.progress(0.1) <= 0.0 && year.progress(0.9) >= 1.0);
         let at = |progress| [0, 1, 2, 3].map(|k| year.development(progress, k, 4));

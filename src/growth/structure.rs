@@ -4,8 +4,8 @@
 //! Branches are numbered by the year in which they sprout, so that a bearing branch comes before what it bears; nodes
 //! are numbered year by year. Neither number ever changes.
 
+use super::architecture::Architecture;
 use super::equation as eq;
-use super::species::Species;
 use crate::random::{Purpose, unit};
 
 /// The least angle between the longest laterals of successive shoots, radians: the paper's 40°.
@@ -99,11 +99,11 @@ impl Axis {
 }
 
 impl Structure {
-    pub(super) fn new(species: &Species, seed: u64, most_nodes: u32) -> Self {
-        let mut builder = Builder::new(species, seed, most_nodes);
+    pub(super) fn new(architecture: &Architecture, seed: u64, most_nodes: u32) -> Self {
+        let mut builder = Builder::new(architecture, seed, most_nodes);
         let mut refused = None;
         let mut years = 0;
-        for year in 1..=species.years {
+        for year in 1..=architecture.years {
             match builder.year(year) {
                 Ok(()) => years = year,
                 Err(nodes) => {
@@ -159,7 +159,7 @@ impl Structure {
 }
 
 struct Builder<'a> {
-    species: &'a Species,
+    architecture: &'a Architecture,
     seed: u64,
     most_nodes: u32,
     /// `l_smax`: the longest shoot of the trunk.
@@ -174,9 +174,9 @@ struct Builder<'a> {
 }
 
 impl<'a> Builder<'a> {
-    fn new(species: &'a Species, seed: u64, most_nodes: u32) -> Self {
+    fn new(architecture: &'a Architecture, seed: u64, most_nodes: u32) -> Self {
         let mut builder = Self {
-            species,
+            architecture,
             seed,
             most_nodes,
             longest_shoot: 0.0,
@@ -186,11 +186,11 @@ impl<'a> Builder<'a> {
             longest: Vec::new(),
             wanted: Vec::new(),
         };
-        let height = |year: u16| species.height.at(builder.time(year));
-        builder.wanted = (1..=species.years).map(height).collect();
+        let height = |year: u16| architecture.height.at(builder.time(year));
+        builder.wanted = (1..=architecture.years).map(height).collect();
         let mut before = 0.0;
         for &wanted in &builder.wanted {
-            let length = eq::enforced_length(wanted, before, species.least_shoot);
+            let length = eq::enforced_length(wanted, before, architecture.least_shoot);
             builder.longest_shoot = builder.longest_shoot.max(length - before);
             before = length;
         }
@@ -214,7 +214,7 @@ impl<'a> Builder<'a> {
 
     /// `t_y`: the year as a part of the greatest age.
     fn time(&self, year: u16) -> f32 {
-        f32::from(year) / f32::from(self.species.years)
+        f32::from(year) / f32::from(self.architecture.years)
     }
 
     /// One more year: laterals of the shoots of the year before, then a shoot of every living branch.
@@ -224,7 +224,7 @@ impl<'a> Builder<'a> {
         // A branch takes three times the memory of a node, and each of its years up to the greatest age half of it.
         let most = self.most_nodes as usize;
         for axis in 0..self.axes.len() {
-            if year > 1 && self.is_living(axis, year) && self.axes[axis].rank < self.species.most_order {
+            if year > 1 && self.is_living(axis, year) && self.axes[axis].rank < self.architecture.most_order {
                 self.branch(axis, year);
             }
             if self.axes.len() > most || self.shoots.len() / 8 > most {
@@ -256,7 +256,7 @@ impl<'a> Builder<'a> {
 
     /// The laterals that sprout in `year` from the shoot of the year before.
     fn branch(&mut self, parent: usize, year: u16) {
-        let species = self.species;
+        let architecture = self.architecture;
         let bearing = self.axes[parent].clone();
         let Axis { start, first_year, .. } = bearing;
         if first_year >= year {
@@ -272,18 +272,20 @@ impl<'a> Builder<'a> {
         let metamers = shoot.metamers - metamers_before;
         // Section 4.3: all laterals of a shoot use the shoot's position on the branch.
         let position = f32::midpoint(length_before, shoot.length);
-        let final_length = self.shoots[start as usize + usize::from(species.years - first_year)].length;
+        let final_length = self.shoots[start as usize + usize::from(architecture.years - first_year)].length;
         let at_end = position / final_length;
         self.wanted.clear();
-        for later in year..=species.years {
+        for later in year..=architecture.years {
             let length = self.shoots[start as usize + usize::from(later - first_year)].length;
             let now = position / length;
-            let (young, mature) = (species.young_silhouette.at(now), species.mature_silhouette.at(now));
+            let (young, mature) =
+                (architecture.young_silhouette.at(now), architecture.mature_silhouette.at(now));
             self.wanted.push(eq::wanted_length(length, self.time(later), young, mature));
         }
         let forks = self.forks(parent, year);
-        for number in 0..metamers * u32::from(species.whorl) {
-            let (number, place) = (number / u32::from(species.whorl), number % u32::from(species.whorl));
+        for number in 0..metamers * u32::from(architecture.whorl) {
+            let (number, place) =
+                (number / u32::from(architecture.whorl), number % u32::from(architecture.whorl));
             if place == 0 && number + 1 == metamers && forks {
                 continue;
             }
@@ -293,18 +295,18 @@ impl<'a> Builder<'a> {
             let seed = self.seed;
             let draw = |draw: Draw| unit(seed, draw as u32, Purpose::GROWTH, id);
             let scale = eq::lateral_scale(
-                &species.shoot_scale,
-                &species.branch_scale,
+                &architecture.shoot_scale,
+                &architecture.branch_scale,
                 bearing.scale,
                 on_shoot,
                 at_end,
             );
-            let scale = scale * (1.0 - species.scale_variation * draw(Draw::Scale));
-            if scale < species.least_scale || scale <= 0.0 {
+            let scale = scale * (1.0 - architecture.scale_variation * draw(Draw::Scale));
+            if scale < architecture.least_scale || scale <= 0.0 {
                 continue;
             }
-            let lifespan = eq::lost_at(&species.lifespan, scale)
-                * (1.0 - species.scale_variation * draw(Draw::Lifespan));
+            let lifespan = eq::lost_at(&architecture.lifespan, scale)
+                * (1.0 - architecture.scale_variation * draw(Draw::Lifespan));
             let died = (f32::from(year - 1) + lifespan.max(1.0)).ceil().min(bearing.died);
             let number = self.extend(Axis {
                 parent: parent as u32,
@@ -320,7 +322,7 @@ impl<'a> Builder<'a> {
                 angle: 0.0,
                 start: 0,
             });
-            if died < f32::from(species.years) {
+            if died < f32::from(architecture.years) {
                 // What is bare stands the longer the larger it is.
                 let last = usize::from(died as u16 - year);
                 let length = self.shoots[self.axes[number].start as usize + last].length;
@@ -338,17 +340,17 @@ impl<'a> Builder<'a> {
     /// Whether a branch forks at the end of the shoot before `year`.
     fn forks(&self, parent: usize, year: u16) -> bool {
         let id = (parent as u64) << 16 | u64::from(year);
-        unit(self.seed, Draw::Fork as u32, Purpose::GROWTH, id) < self.species.forking
+        unit(self.seed, Draw::Fork as u32, Purpose::GROWTH, id) < self.architecture.forking
     }
 
     /// Lets a branch fork at the end of its shoot: at that metamer springs a twin that is in all years as long as the branch
     /// beyond it.
     fn twin(&mut self, parent: usize, year: u16, bearer: u32) {
-        let species = self.species;
+        let architecture = self.architecture;
         let bearing = self.axes[parent].clone();
         let start = bearing.start as usize;
         let place = self.shoots[start + usize::from(year - 1 - bearing.first_year)].length;
-        let wanted = (year..=species.years)
+        let wanted = (year..=architecture.years)
             .map(|later| self.shoots[start + usize::from(later - bearing.first_year)].length - place);
         // `extend` scales what is wanted and divides it by the order; a twin is to be as long as it says here.
         let divided = eq::order_divisor(bearing.rank) / bearing.scale;
@@ -373,18 +375,18 @@ impl<'a> Builder<'a> {
 
     /// Adds a branch with its lengths and metamers in all years, of which `wanted` has the lengths at scale 1.
     fn extend(&mut self, mut axis: Axis) -> usize {
-        let species = self.species;
+        let architecture = self.architecture;
         axis.start = self.shoots.len() as u32;
         let (mut length, mut metamers, mut longest_before) = (0.0, 0, None);
         for i in 0..self.wanted.len() {
             let wanted = self.wanted[i] * axis.scale;
             let before = length;
-            length = eq::higher_order_length(wanted, before, species.least_shoot, axis.rank);
+            length = eq::higher_order_length(wanted, before, architecture.least_shoot, axis.rank);
             if i == 0 && !self.axes.is_empty() {
                 let share = (length / self.longest_shoot).min(1.0);
-                axis.angle = if axis.is_twin { FORK_ANGLE } else { species.branching_angle.at(share) };
+                axis.angle = if axis.is_twin { FORK_ANGLE } else { architecture.branching_angle.at(share) };
             }
-            let wanted = eq::metamers(&species.metamers, length - before, self.longest_shoot);
+            let wanted = eq::metamers(&architecture.metamers, length - before, self.longest_shoot);
             let count = self.turned(wanted, metamers, longest_before);
             let [longest, _] = self.longest(count);
             longest_before = Some(metamers + longest);
@@ -397,7 +399,7 @@ impl<'a> Builder<'a> {
 
     /// The number of metamers nearest to `wanted` with which both of the longest laterals of the shoot stand at least
     /// 40° from the longest of the shoot before; `wanted` if there is none near. The longest by `G_ss`, that is; chance
-    /// ([`scale_variation`](Species::with_scale_variation)) may have it otherwise.
+    /// ([`scale_variation`](Architecture::with_scale_variation)) may have it otherwise.
     fn turned(&mut self, wanted: u32, before: u32, longest_before: Option<u32>) -> u32 {
         let Some(longest_before) = longest_before else { return wanted };
         // A spiral by the golden angle has one within two; other divergences may have none at all.
@@ -406,7 +408,7 @@ impl<'a> Builder<'a> {
             (0..=2 * farthest).map(|i| if i % 2 == 1 { i.div_ceil(2) as i32 } else { -((i / 2) as i32) });
         for offset in offsets {
             let Some(count) = wanted.checked_add_signed(offset).filter(|&count| count > 0) else { continue };
-            let (divergence, whorl) = (self.species.divergence, self.species.whorl);
+            let (divergence, whorl) = (self.architecture.divergence, self.architecture.whorl);
             let longest = self.longest(count);
             if longest.iter().all(|&k| apart(before + k - longest_before, divergence, whorl) >= LEAST_ANGLE) {
                 return count;
@@ -421,7 +423,7 @@ impl<'a> Builder<'a> {
         if self.longest.len() <= known {
             self.longest.resize(known + 1, None);
         }
-        let curve = &self.species.shoot_scale;
+        let curve = &self.architecture.shoot_scale;
         *self.longest[known].get_or_insert_with(|| {
             let scale = |k: u32| curve.at((k + 1) as f32 / metamers as f32);
             // The upper one of equals.
@@ -467,10 +469,10 @@ mod tests {
     use super::*;
     use crate::growth::Curve;
 
-    fn cottonwood() -> (Species, Structure) {
-        let species = Species::default().with_years(14);
-        let structure = Structure::new(&species, 3, 1 << 24);
-        (species, structure)
+    fn cottonwood() -> (Architecture, Structure) {
+        let architecture = Architecture::default().with_years(14);
+        let structure = Structure::new(&architecture, 3, 1 << 24);
+        (architecture, structure)
     }
 
     #[test]
@@ -484,14 +486,18 @@ mod tests {
 
     #[test]
     fn lengths_keep_equation_5() {
-        let (species, structure) = cottonwood();
+        let (architecture, structure) = cottonwood();
         assert_eq!(structure.years, 14);
         for axis in &structure.axes {
             let shoots = structure.shoots_until(axis, 14);
-            assert!(shoots[0].length >= species.least_shoot);
+            assert!(shoots[0].length >= architecture.least_shoot);
             for pair in shoots.windows(2) {
                 let rounding = 1e-6 * pair[1].length;
-                assert!(eq::grows_enough(pair[0].length, pair[1].length + rounding, species.least_shoot));
+                assert!(eq::grows_enough(
+                    pair[0].length,
+                    pair[1].length + rounding,
+                    architecture.least_shoot
+                ));
                 assert!(pair[1].metamers > pair[0].metamers);
             }
         }
@@ -500,8 +506,8 @@ mod tests {
     /// Each lateral by hand, from the finished structure.
     #[test]
     fn laterals_keep_equations_6_11_12_and_15() {
-        let (species, structure) = cottonwood();
-        let least = 1.0 - species.scale_variation;
+        let (architecture, structure) = cottonwood();
+        let least = 1.0 - architecture.scale_variation;
         for axis in &structure.axes[1..] {
             let parent = &structure.axes[axis.parent as usize];
             let bearing = structure.shoots_until(parent, 14);
@@ -511,10 +517,11 @@ mod tests {
             let place = 0.5 * (from + bearing[at].length);
             let on_shoot = (axis.bearer - below + 1) as f32 / (bearing[at].metamers - below) as f32;
             let at_end = place / bearing[bearing.len() - 1].length;
-            let scale = species.shoot_scale.at(on_shoot) * parent.scale * species.branch_scale.at(at_end);
+            let scale =
+                architecture.shoot_scale.at(on_shoot) * parent.scale * architecture.branch_scale.at(at_end);
             assert!((least * scale - 1e-5..=scale + 1e-5).contains(&axis.scale), "{} of {scale}", axis.scale);
             let [soonest, latest] =
-                [least, 1.0].map(|part| (part * species.lifespan.at(axis.scale)).max(1.0));
+                [least, 1.0].map(|part| (part * architecture.lifespan.at(axis.scale)).max(1.0));
             // Branches die at the end of a year.
             let lived = axis.died - f32::from(axis.first_year - 1);
             assert!(lived < latest + 1.0 && (lived >= soonest - 1e-4 || axis.died >= parent.died));
@@ -522,10 +529,11 @@ mod tests {
             for (year, shoot) in (axis.first_year..).zip(structure.shoots_until(axis, 14)) {
                 let whole = bearing[usize::from(year - parent.first_year)].length;
                 let (time, now) = (f32::from(year) / 14.0, place / whole);
-                let silhouettes = [&species.young_silhouette, &species.mature_silhouette].map(|g| g.at(now));
+                let silhouettes =
+                    [&architecture.young_silhouette, &architecture.mature_silhouette].map(|g| g.at(now));
                 let wanted = whole * ((1.0 - time) * silhouettes[0] + time * silhouettes[1]);
                 let divided = wanted * axis.scale / (1.0 + 0.5 * f32::from(axis.order));
-                let expected = divided.max(before + species.least_shoot);
+                let expected = divided.max(before + architecture.least_shoot);
                 assert!((shoot.length - expected).abs() <= 1e-5 * expected, "{} {expected}", shoot.length);
                 before = shoot.length;
             }
@@ -535,7 +543,7 @@ mod tests {
     /// Section 4.3's rule of 40°, looked up in the finished structure.
     #[test]
     fn longest_laterals_turn_away_from_those_of_the_year_before() {
-        let (species, structure) = cottonwood();
+        let (architecture, structure) = cottonwood();
         let mut shoots = 0;
         for axis in &structure.axes {
             let counts: Vec<u32> =
@@ -544,7 +552,8 @@ mod tests {
                 // G_ss rises to the tip: the two uppermost are the longest.
                 let longest_before = counts[i - 1] - 1;
                 for k in 1..=(counts[i] - counts[i - 1]).min(2) {
-                    let angle = apart(counts[i] - k - longest_before, species.divergence, 1).to_degrees();
+                    let angle =
+                        apart(counts[i] - k - longest_before, architecture.divergence, 1).to_degrees();
                     assert!(angle >= 39.999, "{angle}°");
                     shoots += 1;
                 }
@@ -568,17 +577,17 @@ mod tests {
     #[test]
     fn runaway_branching_stops_and_keeps_whole_years() {
         let one = || Curve::constant(1.0).unwrap();
-        let species = Species::default()
+        let architecture = Architecture::default()
             .with_branch_scale(one())
             .with_shoot_scale(one())
             .with_scale_variation(0.0)
             .with_least_scale(0.0)
             .with_most_order(16)
             .with_lifespan(Curve::constant(1e4).unwrap());
-        let structure = Structure::new(&species, 1, 100_000);
+        let structure = Structure::new(&architecture, 1, 100_000);
         assert!(structure.refused.is_some_and(|nodes| nodes > 100_000));
         assert!(structure.years > 2 && structure.years < 10 && structure.nodes <= 100_000);
-        let smaller = Structure::new(&species, 1, structure.nodes);
+        let smaller = Structure::new(&architecture, 1, structure.nodes);
         assert_eq!((smaller.years, smaller.nodes), (structure.years, structure.nodes));
     }
 }

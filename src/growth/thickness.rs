@@ -1,6 +1,6 @@
 //! How thick wood is: the pipe model, with rings that stay.
 
-use super::species::Species;
+use super::architecture::Architecture;
 
 /// The least and the greatest exponent. Within them the cross-sections of two branches of a fork are 1 to 1.12 times the one
 /// that bears them.
@@ -23,15 +23,16 @@ pub(super) struct Thickness {
 
 impl Thickness {
     /// Such that the trunk base at the greatest age, with so many pipes, is as thick as the species says for its length.
-    pub(super) fn new(species: &Species, trunk_length: f32, pipes: f64) -> Self {
-        let base = species.stoutness * trunk_length * (trunk_length / species.longest_branch).sqrt();
-        let ratio = f64::from(base.max(species.twig_radius) / species.twig_radius);
+    pub(super) fn new(architecture: &Architecture, trunk_length: f32, pipes: f64) -> Self {
+        let base =
+            architecture.stoutness * trunk_length * (trunk_length / architecture.longest_branch).sqrt();
+        let ratio = f64::from(base.max(architecture.twig_radius) / architecture.twig_radius);
         let pipes = pipes.max(1.0);
         let wanted = if ratio > 1.0 { libm::log(pipes) / libm::log(ratio) } else { EXPONENTS[1] };
         let exponent = wanted.clamp(EXPONENTS[0], EXPONENTS[1]);
         let power = 1.0 / exponent;
         let needed = base / libm::pow(pipes, power) as f32;
-        let [least, most] = TWIGS.map(|times| times * species.twig_radius);
+        let [least, most] = TWIGS.map(|times| times * architecture.twig_radius);
         Self { twig: needed.clamp(least, most), power }
     }
 

@@ -19,7 +19,7 @@ use super::GrowthError;
 /// use treesynth::growth::Timeline;
 /// use treesynth::presets;
 ///
-/// let elm = presets::by_name("figure-07").unwrap().synth(3000).synthesize(1)?;
+/// let elm = presets::by_name("figure-07").unwrap().guided().unwrap().synth(3000).synthesize(1)?;
 /// let timeline = Timeline::new(elm.clone(), 40.0)?;
 /// let young = timeline.at(10.0)?;
 /// assert!(young.len() > 1 && young.len() < elm.len());
@@ -34,6 +34,8 @@ pub struct Timeline {
     radius_share: f32,
     births: Vec<f32>,
 }
+
+crate::recipe::readable!(Timeline { radius_share: f32 });
 
 impl Timeline {
     /// A tree that takes so many years, 0.01 to 10,000, to grow as it is; half by distance, half by radius. O(n).

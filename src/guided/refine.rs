@@ -47,6 +47,8 @@ pub struct Refinement<S> {
     relaxation: Option<u32>,
 }
 
+crate::recipe::readable!(@[S] Refinement<S> { reach: u32, relaxation: Option<u32> });
+
 crate::recipe::mapped!(Refinement { region; spacing, reach, relaxation });
 
 /// Metres of way a hop makes good, in spacings; edges of the Yao graph are 1.25 spacings long on average.

@@ -30,6 +30,8 @@ pub struct Shedding {
     least_density: f32,
 }
 
+crate::recipe::readable!(Shedding { bare_end: f32, least_density: f32 });
+
 impl Default for Shedding {
     fn default() -> Self {
         Self::new()

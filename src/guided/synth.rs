@@ -27,6 +27,28 @@ pub struct Stage {
     refinement: Option<Refinement<Arc<dyn Shape>>>,
 }
 
+impl Stage {
+    /// How guiding vectors turn.
+    pub fn rule(&self) -> &dyn GuidingRule {
+        &*self.rule
+    }
+
+    /// What edges cost.
+    pub fn weight(&self) -> &dyn WeightFn {
+        &*self.weight
+    }
+
+    /// What branches grow to.
+    pub fn endpoints(&self) -> &dyn EndpointPolicy {
+        &*self.endpoints
+    }
+
+    /// The finer graph from this stage on.
+    pub fn refinement(&self) -> Option<&Refinement<Arc<dyn Shape>>> {
+        self.refinement.as_ref()
+    }
+}
+
 impl std::fmt::Debug for Stage {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         f.debug_struct("Stage")
@@ -114,6 +136,20 @@ pub struct TreeSynth {
     shedding: Option<Shedding>,
     radius: Arc<dyn RadiusModel>,
 }
+
+impl TreeSynth {
+    /// What trees grow in.
+    pub fn graph(&self) -> &dyn GraphBuilder {
+        &*self.graph
+    }
+
+    /// How thick branches are.
+    pub fn radius(&self) -> &dyn RadiusModel {
+        &*self.radius
+    }
+}
+
+crate::recipe::readable!(TreeSynth { shedding: Option<Shedding> });
 
 impl std::fmt::Debug for TreeSynth {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {

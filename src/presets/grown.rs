@@ -4,7 +4,7 @@
 use super::look::{self, Look};
 use crate::ParameterError;
 use crate::foliage::{Leaf, Leaves};
-use crate::growth::{Curve, Growth, Species, TreeAtAge};
+use crate::growth::{Architecture, Curve, Growth, TreeAtAge};
 use crate::surface::Material;
 use std::f32::consts::PI;
 
@@ -24,7 +24,7 @@ pub struct Grown {
     pub seed: u64,
     /// Whether it lies in the plane z = 0, for a drawing.
     pub planar: bool,
-    species: fn() -> Result<Species, ParameterError>,
+    architecture: fn() -> Result<Architecture, ParameterError>,
     look: Look,
     leaf: fn() -> Leaf,
 }
@@ -34,8 +34,8 @@ impl Grown {
     ///
     /// # Errors
     /// None for the presets of this module.
-    pub fn species(&self) -> Result<Species, ParameterError> {
-        (self.species)()
+    pub fn architecture(&self) -> Result<Architecture, ParameterError> {
+        (self.architecture)()
     }
 
     /// The tree, to be had at any age.
@@ -43,7 +43,7 @@ impl Grown {
     /// # Errors
     /// None for the presets of this module.
     pub fn grow(&self, seed: u64) -> Result<Growth, ParameterError> {
-        Growth::new(self.species()?, seed)
+        Growth::new(self.architecture()?, seed)
     }
 
     /// What its bark looks like.
@@ -57,6 +57,12 @@ impl Grown {
         self.look.bark_texture()
     }
 
+    /// The leaf that hangs on its trees; their sizes and colours are the architecture's
+    /// [`phenology`](Architecture::phenology).
+    pub fn leaf(&self) -> Leaf {
+        (self.leaf)()
+    }
+
     /// The leaves that hang on a tree, a value a colour.
     pub fn leaves(&self, tree: &TreeAtAge) -> Vec<Leaves> {
         Leaves::grown(tree, &(self.leaf)())
@@ -67,10 +73,10 @@ impl Grown {
         figure: u8,
         caption: &'static str,
         ages: &'static [f32],
-        species: fn() -> Result<Species, ParameterError>,
+        architecture: fn() -> Result<Architecture, ParameterError>,
     ) -> Self {
         let leaf = || Leaf::deltoid().with_petiole(0.6);
-        Self { name, figure, caption, ages, seed: 1, planar: false, species, look: look::POPLAR, leaf }
+        Self { name, figure, caption, ages, seed: 1, planar: false, architecture, look: look::POPLAR, leaf }
     }
 
     const fn planar(mut self) -> Self {
@@ -87,11 +93,6 @@ impl Grown {
 /// All presets of [`growth`](crate::growth): those of the figures, then other species.
 pub fn grown() -> impl Iterator<Item = &'static Grown> {
     GROWN.iter()
-}
-
-/// The preset of this name.
-pub fn grown_by_name(name: &str) -> Option<&'static Grown> {
-    grown().find(|preset| preset.name == name)
 }
 
 /// Ages of a tree that is drawn in lines: the end of a year, when shoots are done.
@@ -125,39 +126,39 @@ const GROWN: &[Grown] = &[
         12,
         "The second shoot of a seedling unfolds.",
         &[1.33, 1.38, 1.42, 1.46, 1.5, 1.6],
-        || Ok(Species::cottonwood().with_most_order(0)),
+        || Ok(Architecture::cottonwood().with_most_order(0)),
     ),
     Grown::new(
         "growth-13-foliage",
         13,
         "Leaves come, turn and fall in one year.",
         &[8.2, 8.36, 8.42, 8.6, 8.78, 8.82, 8.86, 9.0],
-        || Ok(Species::cottonwood()),
+        || Ok(Architecture::cottonwood()),
     ),
     Grown::new(
         "growth-15-cottonwood",
         15,
         "An Eastern cottonwood of 27 years, from a broom stick to a rounded crown.",
         &[2.6, 5.6, 10.6, 18.6, 26.6],
-        || Ok(Species::cottonwood()),
+        || Ok(Architecture::cottonwood()),
     ),
     Grown::new("growth-spruce", 0, "A spruce: one trunk to the top, a slender cone.", SPECIES_OF_40, || {
-        Ok(Species::spruce())
+        Ok(Architecture::spruce())
     })
     .like(look::SPRUCE, Leaf::needles),
     Grown::new("growth-lombardy-poplar", 0, "A Lombardy poplar: a column.", SPECIES_OF_30, || {
-        Ok(Species::lombardy_poplar())
+        Ok(Architecture::lombardy_poplar())
     }),
     Grown::new("growth-weeping-birch", 0, "A birch whose twigs hang.", SPECIES_OF_30, || {
-        Ok(Species::weeping_birch())
+        Ok(Architecture::weeping_birch())
     })
     .like(look::BIRCH, || Leaf::deltoid().with_petiole(0.4)),
     Grown::new("growth-spreading-oak", 0, "An oak in the open, wider than high.", SPECIES_OF_40, || {
-        Ok(Species::spreading_oak())
+        Ok(Architecture::spreading_oak())
     })
     .like(look::OAK, Leaf::sinuate),
     Grown::new("growth-norway-maple", 0, "A Norway maple: opposite, forked, round.", SPECIES_OF_40, || {
-        Ok(Species::norway_maple())
+        Ok(Architecture::norway_maple())
     })
     .like(look::MAPLE, || Leaf::lobed().with_petiole(0.7)),
     Grown::new(
@@ -165,7 +166,7 @@ const GROWN: &[Grown] = &[
         0,
         "An ash: opposite, open, shoots that turn up.",
         SPECIES_OF_40,
-        || Ok(Species::european_ash()),
+        || Ok(Architecture::european_ash()),
     )
     .like(look::ASH, || Leaf::pinnate().with_petiole(0.15)),
     Grown::new(
@@ -173,14 +174,14 @@ const GROWN: &[Grown] = &[
         0,
         "A horse chestnut: limbs rise, dip and turn up, shoots that flower fork.",
         SPECIES_OF_40,
-        || Ok(Species::horse_chestnut()),
+        || Ok(Architecture::horse_chestnut()),
     )
     .like(look::CHESTNUT, || Leaf::palmate().with_petiole(0.7)),
 ];
 
 /// Figure 8: two branches a year in one plane, straight, none scaled, none lost.
-fn lengths() -> Result<Species, ParameterError> {
-    Ok(Species::cottonwood()
+fn lengths() -> Result<Architecture, ParameterError> {
+    Ok(Architecture::cottonwood()
         .with_most_order(1)
         .with_divergence(PI)
         .with_variation(0.0)
@@ -197,7 +198,7 @@ fn lengths() -> Result<Species, ParameterError> {
 }
 
 /// Figure 9: the same with headings, those of long branches exaggerated for the eye.
-fn headings() -> Result<Species, ParameterError> {
+fn headings() -> Result<Architecture, ParameterError> {
     let degrees =
         |points: [[f32; 2]; 4]| Curve::new(points.map(|[place, angle]| [place, angle.to_radians()]));
     Ok(lengths()?
@@ -206,12 +207,12 @@ fn headings() -> Result<Species, ParameterError> {
 }
 
 /// Figure 10: branches by turns long and short.
-fn scales() -> Result<Species, ParameterError> {
+fn scales() -> Result<Architecture, ParameterError> {
     let wave = (0..=16).map(|i| [i as f32 / 16.0, if i % 2 == 0 { 1.0 } else { 0.3 }]);
     Ok(headings()?.with_least_scale(0.0).with_branch_scale(Curve::new(wave)?))
 }
 
 /// Figure 11: the short ones of figure 10 are lost by the age of seven, the long ones stay.
-fn losses() -> Result<Species, ParameterError> {
+fn losses() -> Result<Architecture, ParameterError> {
     Ok(scales()?.with_lifespan(Curve::new([[0.0, 3.0], [0.6, 7.0], [0.8, 60.0]])?))
 }

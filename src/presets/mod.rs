@@ -1,12 +1,16 @@
 //! The trees of the papers' figures, by name, and more.
 //!
-//! | presets | by name | after |
+//! [`by_name`] finds a preset of any system, [`all`] lists them.
+//!
+//! | presets | found as | after |
 //! |---|---|---|
-//! | [`all`] | [`by_name`] | Xu and Mould 2015, "Procedural Tree Modeling with Guiding Vectors"; trees that refine their graphs or grow on graphs of varying spacing |
-//! | [`stands`] | [`stand_by_name`] | Pałubicki et al. 2009: habits and stands that organize themselves |
-//! | [`grown`] | [`grown_by_name`] | Galbraith, Mündermann and Wyvill 2004: trees over the years |
-//! | [`variational::presets`](crate::variational::presets) | [`variational::by_name`](crate::variational::by_name) | Wang et al. 2014: trees that fill shapes |
-//! | [`blob::presets`](crate::surface::blob::presets) | [`blob::by_name`](crate::surface::blob::by_name) | Galbraith, Mündermann and Wyvill 2004: junctions |
+//! | [`guided`] | [`Found::guided`] | Xu and Mould 2015, "Procedural Tree Modeling with Guiding Vectors"; trees that refine their graphs or grow on graphs of varying spacing |
+//! | [`stands`] | [`Found::stand`] | Pałubicki et al. 2009: habits and stands that organize themselves |
+//! | [`grown`] | [`Found::grown`] | Galbraith, Mündermann and Wyvill 2004: trees over the years |
+//! | [`variational::presets`](crate::variational::presets) | [`Found::variational`] | Wang et al. 2014: trees that fill shapes |
+//! | [`species::all`](crate::species::all) | [`Found::species`] | floras and forestry tables: trees of a botanical name |
+//!
+//! The junctions of Galbraith's figures are no trees: [`surface::blob::presets`](crate::surface::blob::presets) has them.
 //!
 //! Of the first, angles, hops, exclusion zones and counts are the paper's where it gives them; heights (about 10 m), crowns
 //! and the rest are chosen so that the tree shows what its figure shows, and each preset's caption says what that is.
@@ -14,15 +18,16 @@
 //! ```
 //! use treesynth::presets;
 //!
-//! let ash = presets::by_name("figure-06c").expect("a preset of this name");
+//! let ash = presets::by_name("figure-06c")?.guided()?;
 //! let tree = ash.synth(10_000).synthesize(1)?;
 //! assert!(tree.len() > 1_000);
-//! # Ok::<(), treesynth::SynthesisError>(())
+//! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
 mod clothed;
 mod comparison;
 mod fine;
+mod found;
 mod graded;
 mod grown;
 mod look;
@@ -34,9 +39,10 @@ mod site;
 mod variety;
 mod volume;
 
-pub use grown::{Grown, grown, grown_by_name};
+pub use found::{Found, PresetError, System, all, by_name};
+pub use grown::{Grown, grown};
 pub use look::Season;
-pub use organized::{Stand, WALL, stand_by_name, stands};
+pub use organized::{Stand, WALL, stands};
 
 use crate::foliage::Foliage;
 use crate::guided::{Bend, NearestTo, Recipe, StageRecipe, TreeSynth};
@@ -132,10 +138,14 @@ impl Preset {
     /// ```
     /// use treesynth::presets::{Season, by_name};
     ///
-    /// let ash = by_name("figure-06c").expect("a preset of this name");
+    /// let ash = by_name("figure-06c")?.guided()?;
     /// let tree = ash.synth(5_000).synthesize(1)?;
     /// let leaves = ash.foliage(Season::Summer).expect("an ash in leaf").place(&tree, 1)?;
     /// assert!(leaves.instances.len() > 1_000);
+    /// // A fifth larger.
+    /// let foliage = ash.foliage(Season::Summer).expect("an ash in leaf");
+    /// let larger = foliage.clone().with_size(foliage.size() * 1.2);
+    /// assert!(larger.place(&tree, 1)?.instances[0].scale > leaves.instances[0].scale);
     /// assert!(ash.foliage(Season::Winter).is_none());
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
@@ -158,8 +168,8 @@ impl Preset {
     }
 }
 
-/// All presets, in the order of the figures, then those beyond the paper.
-pub fn all() -> impl Iterator<Item = &'static Preset> {
+/// All presets of [`guided`](crate::guided), in the order of the figures, then those beyond the paper.
+pub fn guided() -> impl Iterator<Item = &'static Preset> {
     [
         samples::SAMPLES,
         plane::PRESETS,
@@ -173,11 +183,6 @@ pub fn all() -> impl Iterator<Item = &'static Preset> {
     ]
     .into_iter()
     .flatten()
-}
-
-/// The preset of this name.
-pub fn by_name(name: &str) -> Option<&'static Preset> {
-    all().find(|preset| preset.name == name)
 }
 
 const fn degrees(angle: f32) -> f32 {

@@ -2,7 +2,7 @@
 
 use super::{Season, degrees, look};
 use crate::Skeleton;
-use crate::foliage::{FoliageError, Leaves};
+use crate::foliage::{Foliage, FoliageError, Leaves};
 use crate::self_organizing::{
     Axis, Forest, ForestError, Habit, Offspring, Phyllotaxis, ShadowPropagation, Tree, VigorModel,
 };
@@ -43,6 +43,11 @@ impl Stand {
         Ok(forest)
     }
 
+    /// The leaves of all its trees; `None` in winter. [`leaves`](Self::leaves) puts them where the text's rule has them.
+    pub fn foliage(&self, season: Season) -> Option<Foliage> {
+        look::HORNBEAM.foliage(season)
+    }
+
     /// The leaves of one of its trees: where the text's rule ([`Tree::leafy`]) has them, on metamers that begin at
     /// least four nodes from the foot and carry fewer than 30 buds. None in winter.
     ///
@@ -54,7 +59,7 @@ impl Stand {
         skeleton: &Skeleton,
         season: Season,
     ) -> Result<Option<Leaves>, FoliageError> {
-        let Some(foliage) = look::HORNBEAM.foliage(season) else { return Ok(None) };
+        let Some(foliage) = self.foliage(season) else { return Ok(None) };
         let (mut leaves, leafy) = (foliage.place(skeleton, self.seed)?, tree.leafy(30, 4));
         leaves.instances.retain(|leaf| leafy.get(leaf.node as usize) == Some(&true));
         Ok(Some(leaves))
@@ -64,11 +69,6 @@ impl Stand {
 /// All presets of [`self_organizing`](crate::self_organizing).
 pub fn stands() -> impl Iterator<Item = &'static Stand> {
     STANDS.iter()
-}
-
-/// The stand of this name.
-pub fn stand_by_name(name: &str) -> Option<&'static Stand> {
-    stands().find(|stand| stand.name == name)
 }
 
 /// The length of a metamer and the width of a cell, metres: five times the original's, so that 20 seasons make some

@@ -10,6 +10,11 @@ use std::f32::consts::{FRAC_PI_2, PI};
 
 /// How depth shows.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(rename_all = "snake_case", deny_unknown_fields)
+)]
 #[non_exhaustive]
 pub enum Projection {
     /// As an eye sees: what is farther is smaller.
@@ -27,6 +32,7 @@ pub enum Projection {
 /// several pictures have one scale.
 #[must_use]
 #[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
 pub struct Camera {
     azimuth: f32,
     elevation: f32,
@@ -34,6 +40,10 @@ pub struct Camera {
     margin: f32,
     frame: Option<Bounds>,
 }
+
+crate::recipe::readable!(Camera {
+    azimuth: f32, elevation: f32, projection: Projection, margin: f32, frame: Option<Bounds>,
+});
 
 impl Default for Camera {
     /// From the front (+Z), 0.12 rad (7°) above the horizon, a perspective of 0.5 rad (29°), a margin of 0.04.

@@ -116,6 +116,7 @@ struct Stage<'a> {
 /// ```
 #[must_use]
 #[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
 pub struct Preview {
     width: u32,
     height: u32,
@@ -129,6 +130,34 @@ pub struct Preview {
     transparent: bool,
     bark: Material,
 }
+
+impl Preview {
+    /// What [`with_size`](Self::with_size) sets: width and height, pixels.
+    pub fn size(&self) -> (u32, u32) {
+        (self.width, self.height)
+    }
+
+    /// What [`with_ground`](Self::with_ground) sets.
+    pub fn ground(&self) -> bool {
+        self.shows_ground
+    }
+
+    /// What [`with_ground_color`](Self::with_ground_color) sets.
+    pub fn ground_color(&self) -> Option<[f32; 3]> {
+        self.ground
+    }
+
+    /// What [`with_transparency`](Self::with_transparency) sets.
+    pub fn transparency(&self) -> bool {
+        self.transparent
+    }
+}
+
+crate::recipe::readable!(Preview {
+    supersampling: u32, sun: Vec3, background: [[f32; 3]; 2], ground_height: Option<f32>, bark: Material,
+});
+
+crate::recipe::readable!(&Preview { camera: Camera });
 
 impl Default for Preview {
     /// 900 by 900 pixels of 3 by 3 samples, the default [`Camera`], a sun from the upper left in front, almost

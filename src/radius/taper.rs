@@ -34,6 +34,8 @@ pub struct Taper<M> {
     tip_fraction: f32,
 }
 
+crate::recipe::readable!(@[M] Taper<M> { fraction: f32, tip_fraction: f32 });
+
 crate::recipe::mapped!(Taper { inner; fraction, tip_fraction });
 
 impl<M: RadiusModel> Taper<M> {

@@ -46,6 +46,8 @@ pub struct Variational {
     trunk_diameter: Option<f32>,
 }
 
+crate::recipe::readable!(Variational { minimum_share: f32 });
+
 /// How much area each tip supports.
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(

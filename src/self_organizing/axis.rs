@@ -32,6 +32,11 @@ pub struct Axis {
     pub(super) flowers: bool,
 }
 
+crate::recipe::readable!(Axis {
+    angle: Option<f32>, optimal_weight: Option<f32>, tropism_weight: Option<f32>, level_weight: f32,
+    up_weight: f32, vigor: f32, longest: f32, lifespan: Option<u16>, laterals: [f32; 2], flowers: bool,
+});
+
 impl Default for Axis {
     fn default() -> Self {
         Self {

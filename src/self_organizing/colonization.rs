@@ -64,6 +64,15 @@ pub struct SpaceColonization {
     gains: Vec<(u32, Vec3)>,
 }
 
+crate::recipe::readable!(in options: SpaceColonization { occupancy: f32, light: f32 });
+
+impl SpaceColonization {
+    /// What [`with_perception`](Self::with_perception) sets: metres and radians.
+    pub fn perception(&self) -> (f32, f32) {
+        (self.options.distance, self.options.angle)
+    }
+}
+
 /// What the user sets.
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]

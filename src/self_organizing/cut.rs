@@ -24,6 +24,8 @@ pub struct Regrowth {
     pub(super) vigor: f32,
 }
 
+crate::recipe::readable!(Regrowth { buds: u8, reach: u16, vigor: f32 });
+
 impl Default for Regrowth {
     /// 3 buds, not more than 8 nodes below the cut, of a vigor of 4 at most.
     fn default() -> Self {

@@ -73,6 +73,8 @@ pub struct Forest<E: Environment = ShadowPropagation> {
     pub(super) told: Vec<f32>,
 }
 
+crate::recipe::readable!(@[E: Environment] Forest<E> { most_metamers: usize, most_trees: usize, parts: u32 });
+
 /// Why a season did not come to pass.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]

@@ -51,6 +51,25 @@ pub struct Habit {
     pub(super) axes: Vec<Axis>,
 }
 
+impl Habit {
+    /// What [`with_axes`](Self::with_axes) sets.
+    pub fn axes(&self) -> &[Axis] {
+        &self.axes
+    }
+
+    /// The weight that [`with_tropism`](Self::with_tropism) sets.
+    pub fn tropism_weight(&self) -> f32 {
+        self.tropism_weight
+    }
+}
+
+crate::recipe::readable!(Habit {
+    vigor_model: VigorModel, vigor_multiplier: f32, lateral_angle: f32, phyllotaxis: Phyllotaxis,
+    default_weight: f32, optimal_weight: f32, tropism: Vec3, shedding: Option<Shedding>,
+    offspring: Option<Offspring>, width_exponent: f32, tip_radius: f32, regrowth: Option<Regrowth>,
+    stature: Option<Stature>,
+});
+
 /// When a tree gives up a branch: once its vigor falls below `multiplier · (child count^(1/n))^exponent`, the
 /// branch's width being the measure of what it costs, and it is older than a period of grace.
 #[must_use]
@@ -61,6 +80,8 @@ pub struct Shedding {
     pub(super) exponent: f32,
     pub(super) grace: u16,
 }
+
+crate::recipe::readable!(Shedding { multiplier: f32, exponent: f32, grace: u16 });
 
 impl Default for Shedding {
     /// Multiplier 0.3, exponent 1.5, a grace of 4 seasons: the original's.

@@ -19,6 +19,14 @@ pub struct Offspring {
     pub(super) distance: f32,
 }
 
+crate::recipe::readable!(Offspring {
+    maturity: u16,
+    interval: u16,
+    least_vigor: f32,
+    seeds: f32,
+    distance: f32,
+});
+
 impl Default for Offspring {
     /// Ours, for the text gives no numbers: from 8 seasons and a vigor of 20 on, every 4th season, 0.5 seeds and
     /// 0.25 m for each unit of ln(vigor).

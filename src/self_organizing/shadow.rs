@@ -78,6 +78,11 @@ pub struct ShadowPropagation {
     lost: u64,
 }
 
+crate::recipe::readable!(in options: ShadowPropagation {
+    cell: f32, full_exposure: f32, height: u32, strength: f32, falloff: f32, darkest: Option<f32>,
+    scattered: f32,
+});
+
 /// What hides the sky.
 #[derive(Clone)]
 struct Hiding {
@@ -188,7 +193,7 @@ impl ShadowPropagation {
 
     /// The shadow s at `point`; 0 where there is none.
     pub fn shadow(&self, point: Vec3) -> f32 {
-        self.value(self.cell(point))
+        self.value(self.cell_of(point))
     }
 
     /// The part of C that obstacles and terrain leave at `point`, in [0, 1]; 1 where nothing stands in the way.
@@ -209,7 +214,7 @@ impl ShadowPropagation {
 
     /// The cell of `point`, from the lowest corner of the box.
     #[inline]
-    fn cell(&self, point: Vec3) -> IVec3 {
+    fn cell_of(&self, point: Vec3) -> IVec3 {
         let Options { min, cell, .. } = self.options;
         let place = ((point - min) / cell).clamp(Vec3::splat(-FARTHEST), Vec3::splat(FARTHEST));
         let cut = place.as_ivec3();
@@ -261,7 +266,7 @@ impl ShadowPropagation {
         if bounds.is_empty() {
             return;
         }
-        let (mut low, high) = (self.cell(bounds.min), self.cell(bounds.max));
+        let (mut low, high) = (self.cell_of(bounds.min), self.cell_of(bounds.max));
         // Whole pyramids, lest layers that come later lack what has fallen there; nothing is below the ground.
         if self.has_terrain {
             low.y -= self.options.height as i32 + 1;
@@ -271,7 +276,7 @@ impl ShadowPropagation {
         if !self.grid.fit(low, high) {
             // Not all: those that fit.
             for &point in points {
-                let mut low = self.cell(point);
+                let mut low = self.cell_of(point);
                 let high = low;
                 low.y -= if self.has_terrain { self.options.height as i32 + 1 } else { 0 };
                 self.grid.fit(low, high);
@@ -283,7 +288,7 @@ impl ShadowPropagation {
     fn casters(&self, points: &[Vec3], falls: bool) -> (Vec<Caster>, u64) {
         let (low, end) = self.grid.range();
         let of = |part: &[Vec3]| -> Vec<Caster> {
-            let cells = part.iter().map(|&point| self.cell(point));
+            let cells = part.iter().map(|&point| self.cell_of(point));
             let inside = cells.filter(|cell| cell.cmpge(low).all() && cell.cmplt(end).all());
             inside.map(|cell| self.grid.caster(cell, falls)).collect()
         };
@@ -305,7 +310,7 @@ impl Environment for ShadowPropagation {
     }
 
     fn direction(&self, bud: &Bud<'_>) -> Vec3 {
-        let cell = self.cell(bud.position());
+        let cell = self.cell_of(bud.position());
         let falls = |axis: IVec3| self.value(cell - axis) - self.value(cell + axis);
         // There is nothing below the ground to compare with.
         let up = if cell.y > 0 || self.has_terrain {

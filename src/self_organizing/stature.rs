@@ -34,6 +34,8 @@ pub struct Stature {
     pub(super) lifespan: Option<u16>,
 }
 
+crate::recipe::readable!(Stature { height: f32, pace: f32, shape: f32, lifespan: Option<u16> });
+
 impl Default for Stature {
     /// 12 m, pace 15 seasons, shape 1.5, no old age.
     fn default() -> Self {

@@ -16,6 +16,7 @@ use glam::Vec3;
 /// ```
 #[must_use]
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
 pub struct Bounds {
     /// The corner with the smallest coordinates, metres.
     pub min: Vec3,

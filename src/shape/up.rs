@@ -2,6 +2,11 @@
 
 /// The axis that points up in a model file. In this crate it is always +Y.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(rename_all = "snake_case", deny_unknown_fields)
+)]
 pub enum UpAxis {
     /// +Y, as in glTF, OBJ and this crate.
     #[default]

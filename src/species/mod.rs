@@ -42,6 +42,7 @@ pub use data::{
     BarkData, BarkForm, Crown, Laterals, LeafData, LeafShape, Limbs, Shoots, Size, Species, Stand, Trunk,
 };
 pub use names::{UnknownSpecies, all, by_name};
+pub(crate) use names::{names, nearest, plain};
 pub use organ::{Organ, OrganKind, OrganPlace};
 pub use request::{Numbers, Request};
 pub use specimen::Specimen;

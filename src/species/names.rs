@@ -78,19 +78,20 @@ pub fn by_name(name: &str) -> Result<&'static Species, UnknownSpecies> {
 }
 
 /// Every name of a species.
-pub(super) fn names(species: &Species) -> impl Iterator<Item = &str> {
+pub(crate) fn names(species: &Species) -> impl Iterator<Item = &str> {
     let others = species.aliases.split(',').map(str::trim).filter(|name| !name.is_empty());
     [species.name.as_str(), species.latin.as_str()].into_iter().chain(others)
 }
 
-fn plain(name: &str) -> String {
+/// A name as it is compared: lower case, words with one blank between them.
+pub(crate) fn plain(name: &str) -> String {
     let words =
         name.split(|c: char| c.is_whitespace() || c == '-' || c == '_').filter(|word| !word.is_empty());
     words.map(str::to_lowercase).collect::<Vec<_>>().join(" ")
 }
 
 /// Those with the fewest changes to `name`, nearest first, each once.
-pub(super) fn nearest<'a>(name: &str, known: impl Iterator<Item = &'a str>, count: usize) -> Vec<String> {
+pub(crate) fn nearest<'a>(name: &str, known: impl Iterator<Item = &'a str>, count: usize) -> Vec<String> {
     let wanted = plain(name);
     let mut near: Vec<(usize, &str)> = known
         .map(|known| {

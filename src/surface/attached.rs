@@ -224,7 +224,7 @@ mod tests {
     /// The trees of all presets of the four systems, with so many nodes for each preset of the first two.
     fn hold_presets(seeds: u64, nodes: usize, shape_nodes: usize, options: &Tubes) {
         for seed in 0..seeds {
-            for preset in presets::all() {
+            for preset in presets::guided() {
                 let tree = preset.synth(nodes).synthesize(preset.seed + seed).expect("a tree");
                 let relaxed = tree.clone().relaxed(0.5, 3).expect("sound options");
                 hold(preset.name, &[tree, relaxed], options);
@@ -262,7 +262,7 @@ mod tests {
 
     #[test]
     fn tubes_with_an_error_touch_what_bears_them() {
-        for (preset, error) in presets::all().zip([0.001, 0.01, 0.1].into_iter().cycle()) {
+        for (preset, error) in presets::guided().zip([0.001, 0.01, 0.1].into_iter().cycle()) {
             let tree = preset.synth(5_000).synthesize(preset.seed).expect("a tree");
             hold(preset.name, &[tree], &Tubes::default().with_error(error).with_wind(true));
         }
@@ -317,7 +317,7 @@ mod tests {
     #[test]
     fn no_gust_opens_a_gap() {
         let mut worst = ("", 0.0);
-        for preset in presets::all() {
+        for preset in presets::guided() {
             let tree = preset.synth(3_000).synthesize(preset.seed).expect("a tree");
             let tree = tree.relaxed(0.5, 3).expect("sound options");
             for options in
@@ -359,7 +359,7 @@ mod tests {
                 panic!("{name}: of {} sampled tubes one floats, {floating:?}", gaps.len());
             }
         };
-        for preset in presets::all().step_by(6) {
+        for preset in presets::guided().step_by(6) {
             let tree = preset.synth(presets::TYPICAL_NODES).synthesize(preset.seed).expect("a tree");
             hold(preset.name, &tree);
         }

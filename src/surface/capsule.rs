@@ -31,10 +31,13 @@ pub struct Capsule {
 /// ```
 #[must_use]
 #[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
 pub struct Capsules {
     tolerance: f32,
     least_radius: f32,
 }
+
+crate::recipe::readable!(Capsules { tolerance: f32, least_radius: f32 });
 
 impl Default for Capsules {
     /// Within 2 cm, down to branches 2 cm across: what a hand, a head or a ball meets.

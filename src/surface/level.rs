@@ -20,7 +20,7 @@ const USUAL: usize = 4;
 /// ```
 /// use treesynth::{presets, surface::Levels};
 ///
-/// let tree = presets::by_name("figure-06b").unwrap().synth(3000).synthesize(1)?.relaxed(0.5, 3)?;
+/// let tree = presets::by_name("figure-06b").unwrap().guided().unwrap().synth(3000).synthesize(1)?.relaxed(0.5, 3)?;
 /// let levels = Levels::default().with_count(3).of(&tree)?;
 /// for pair in levels.windows(2) {
 ///     assert!(pair[1].mesh.triangles().len() * 2 <= pair[0].mesh.triangles().len());
@@ -29,11 +29,16 @@ const USUAL: usize = 4;
 /// ```
 #[must_use]
 #[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
 pub struct Levels {
     tubes: Tubes,
     count: u32,
     error: f32,
 }
+
+crate::recipe::readable!(Levels { count: u32, error: f32 });
+
+crate::recipe::readable!(&Levels { tubes: Tubes });
 
 /// A mesh and how far it may be off.
 #[derive(Debug, Clone, PartialEq)]
@@ -123,7 +128,7 @@ impl Tubes {
     /// ```
     /// use treesynth::{presets, surface::Tubes};
     ///
-    /// let tree = presets::by_name("figure-06b").unwrap().synth(3000).synthesize(1)?.relaxed(0.5, 3)?;
+    /// let tree = presets::by_name("figure-06b").unwrap().guided().unwrap().synth(3000).synthesize(1)?.relaxed(0.5, 3)?;
     /// assert!(Tubes::default().within(&tree, 2_000)?.mesh.triangles().len() <= 2_000);
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
@@ -211,7 +216,7 @@ mod tests {
         for (name, nodes) in
             [("figure-06b", 2000), ("figure-18", 3000), ("figure-17e", 500), ("figure-03", 300)]
         {
-            let preset = presets::by_name(name).expect("a preset");
+            let preset = presets::by_name(name).expect("a preset").guided().unwrap();
             let tree =
                 preset.synth(nodes).synthesize(1).expect("a tree").relaxed(0.5, 3).expect("sound options");
             for least in [1e-5f32, 0.001, 0.05] {

@@ -364,7 +364,7 @@ mod tests {
     #[test]
     fn both_pieces_are_the_surface() {
         for (name, nodes) in [("figure-06b", 1500), ("figure-18", 2000)] {
-            let preset = presets::by_name(name).expect("a preset");
+            let preset = presets::by_name(name).expect("a preset").guided().expect("guided");
             for seed in 0..3 {
                 let tree = preset.synth(nodes).synthesize(seed).expect("a tree");
                 let mesh = Tubes::default().with_wind(true).mesh(&tree).expect("a surface");
@@ -384,7 +384,7 @@ mod tests {
 
     #[test]
     fn snow_lies_on_what_faces_up() {
-        let preset = presets::by_name("figure-06b").expect("a preset");
+        let preset = presets::by_name("figure-06b").expect("a preset").guided().expect("guided");
         let tree = preset.synth(1500).synthesize(1).expect("a tree");
         let mesh = Tubes::default().mesh(&tree).expect("a surface");
         let [bare, covered] = Mask::snow().cut(&mesh, 0.01).expect("in range");

@@ -13,11 +13,14 @@ use crate::{ParameterError, math};
 /// ```
 #[must_use]
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
 pub struct Material {
     color: [f32; 3],
     roughness: f32,
     double_sided: bool,
 }
+
+crate::recipe::readable!(Material { double_sided: bool });
 
 impl Default for Material {
     /// As [`bark`](Self::bark).

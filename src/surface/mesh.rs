@@ -22,6 +22,7 @@ use glam::{Vec2, Vec3, Vec4};
 /// # Ok::<(), treesynth::surface::MeshError>(())
 /// ```
 #[derive(Debug, Clone, Default, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
 #[non_exhaustive]
 pub struct Mesh {
     /// Positions of the vertices, metres.

@@ -208,7 +208,7 @@ mod tests {
     #[test]
     fn bones_are_few_and_their_weights_continuous() {
         for name in ["figure-06c", "figure-17e", "figure-02-guided"] {
-            let preset = presets::by_name(name).expect("a preset");
+            let preset = presets::by_name(name).expect("a preset").guided().unwrap();
             let tree =
                 preset.synth(3000).synthesize(preset.seed).expect("a tree").relaxed(0.5, 3).expect("sound");
             let sway = Sway::of(&tree).expect("radii");

@@ -51,6 +51,7 @@ const MOST_WIDENING: f32 = 1.3;
 /// ```
 #[must_use]
 #[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
 #[expect(clippy::struct_excessive_bools, reason = "each is an option of its own")]
 pub struct Tubes {
     sides: u32,
@@ -67,6 +68,11 @@ pub struct Tubes {
     pub(super) even_texels: bool,
     pub(super) wind: bool,
 }
+
+crate::recipe::readable!(Tubes {
+    sides: u32, least_sides: u32, turn: f32, error: Option<f32>, root_flare: f32, collars: bool,
+    closed_base: bool, tile: f32, square_tiles: bool, wind: bool,
+});
 
 impl Default for Tubes {
     /// 12 sides on the thickest branch, 4 on the thinnest, a ring every 20°, no error asked for; collars, a root flare

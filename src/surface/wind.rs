@@ -53,6 +53,7 @@ use std::f32::consts::TAU;
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
 pub struct Wind {
     /// Of the trunk, the limb and the twig that bear the vertex: the integral of the bending times the distance, along the way to the
     /// vertex; metres times radians. Zero for levels that do not bear it.

@@ -20,11 +20,14 @@ pub struct Energy {
 /// What the botanical parameters ask of one internode: the terms of equation 8.
 #[must_use]
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
 pub struct Wish {
     pub(super) length: f64,
     pub(super) angle: Option<f64>,
     pub(super) turn: Option<(u32, f64)>,
 }
+
+crate::recipe::readable!(Wish { angle: Option<f64>, turn: Option<(u32, f64)> });
 
 impl Wish {
     /// A length, metres, finite and above 0, and any direction.

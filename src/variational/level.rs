@@ -15,6 +15,7 @@ use crate::ParameterError;
 /// ```
 #[must_use]
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
 pub struct Level {
     metamers: u32,
     apical_control: f32,
@@ -25,6 +26,11 @@ pub struct Level {
 
 /// How many branches stand at a node, and how they are turned against those of the node before.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(rename_all = "snake_case", deny_unknown_fields)
+)]
 #[non_exhaustive]
 pub enum Phyllotaxis {
     /// One, by turns on either side: n = 1, φ = 180°.

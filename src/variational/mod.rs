@@ -28,18 +28,21 @@
 mod draft;
 mod energy;
 mod graft;
+mod growth;
 mod guidance;
 mod letter;
 mod level;
 mod model;
 mod preset;
+mod run;
 mod synth;
 mod term;
 mod thinning;
 mod update;
 
 pub use energy::{Energy, Wish, guidance, penalty, structure};
+pub use growth::{Growth, Step, StepKind, VariationalError};
 pub use guidance::GuidanceShape;
 pub use level::{Level, Phyllotaxis};
-pub use preset::{Preset, by_name, presets};
-pub use synth::{Growth, Step, StepKind, VariationalError, VariationalSynth};
+pub use preset::{Preset, presets};
+pub use synth::VariationalSynth;

@@ -17,9 +17,9 @@ use crate::{ParameterError, Shape};
 /// what its figure shows.
 ///
 /// ```
-/// use treesynth::variational;
+/// use treesynth::presets;
 ///
-/// let spruce = variational::by_name("variational-14-spruce").expect("a preset of this name");
+/// let spruce = presets::by_name("variational-14-spruce")?.variational()?;
 /// let tree = spruce.synth(500)?.synthesize(spruce.seed)?;
 /// assert_eq!(tree.tips().count(), 500);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
@@ -67,11 +67,6 @@ impl Preset {
 /// All presets, in the order of the figures.
 pub fn presets() -> impl Iterator<Item = &'static Preset> {
     PRESETS.iter()
-}
-
-/// The preset of this name.
-pub fn by_name(name: &str) -> Option<&'static Preset> {
-    presets().find(|preset| preset.name == name)
 }
 
 const PRESETS: &[Preset] = &[

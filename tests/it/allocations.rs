@@ -8,7 +8,7 @@ use treesynth::{Silent, presets};
 #[test]
 fn a_second_tree_allocates_a_handful() {
     for nodes in [5_000, 20_000, 80_000] {
-        let synth = presets::by_name("figure-18").expect("a preset").synth(nodes);
+        let synth = presets::by_name("figure-18").expect("a preset").guided().unwrap().synth(nodes);
         let graph = synth.build_graph(1, &Silent).unwrap();
         let mut search = Search::new(&graph);
         let mut grow = |seed| measure(|| drop(synth.grow(&mut search, seed, &Silent).unwrap())).count_total;

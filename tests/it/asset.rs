@@ -19,7 +19,7 @@ fn foliage_of(preset: &Preset) -> Foliage {
 
 /// Presets in leaf, every so manieth.
 fn in_leaf(step: usize) -> impl Iterator<Item = (&'static Preset, Foliage)> {
-    presets::all().filter_map(|preset| Some((preset, preset.foliage(Season::Summer)?))).step_by(step)
+    presets::guided().filter_map(|preset| Some((preset, preset.foliage(Season::Summer)?))).step_by(step)
 }
 
 fn small(preset: &Preset, foliage: Foliage) -> AssetBuilder {

@@ -6,18 +6,18 @@ use treesynth::{Metrics, Skeleton, presets};
 const NODES: usize = 40_000;
 
 fn preset(name: &str) -> Skeleton {
-    presets::by_name(name).unwrap().synth(NODES).synthesize(1).unwrap()
+    presets::by_name(name).unwrap().guided().unwrap().synth(NODES).synthesize(1).unwrap()
 }
 
 /// One of each of the other systems, of some thousand branches at most.
 fn self_organized() -> Skeleton {
-    let stand = presets::stand_by_name("stand-decurrent").unwrap();
+    let stand = presets::by_name("stand-decurrent").unwrap().stand().unwrap();
     let trees = stand.grow(stand.seed).unwrap().skeletons().unwrap();
     trees.into_iter().max_by_key(Skeleton::len).unwrap()
 }
 
 fn grown_over_years() -> Skeleton {
-    let oak = presets::grown_by_name("growth-spreading-oak").unwrap();
+    let oak = presets::by_name("growth-spreading-oak").unwrap().grown().unwrap();
     oak.grow(oak.seed).unwrap().at(oak.ages[oak.ages.len() / 2]).unwrap().skeleton
 }
 

@@ -49,7 +49,7 @@ fn distance_and_radius(tree: &Skeleton, leaf: &Instance) -> (f64, f64) {
 
 #[test]
 fn leaves_sit_on_the_bark() {
-    let tree = presets::by_name("figure-06c").unwrap().synth(8_000).synthesize(1).unwrap();
+    let tree = presets::by_name("figure-06c").unwrap().guided().unwrap().synth(8_000).synthesize(1).unwrap();
     for arrangement in [Arrangement::Alternate, Arrangement::Decussate, Arrangement::SPIRAL] {
         let foliage = Foliage::new(Leaf::ovate()).with_arrangement(arrangement).with_thickest(0.05);
         let leaves = foliage.place(&tree, 1).unwrap().instances;
@@ -205,7 +205,7 @@ fn hash(leaves: &Leaves) -> u64 {
 
 #[test]
 fn the_same_seed_gives_the_same_leaves() {
-    let tree = presets::by_name("figure-07").unwrap().synth(3_000).synthesize(2).unwrap();
+    let tree = presets::by_name("figure-07").unwrap().guided().unwrap().synth(3_000).synthesize(2).unwrap();
     let foliage = Foliage::new(Leaf::ovate()).with_arrangement(Arrangement::SPIRAL).with_thickest(0.1);
     assert_eq!(hash(&foliage.place(&tree, 2).unwrap()), PINNED);
     assert_ne!(hash(&foliage.place(&tree, 3).unwrap()), PINNED);

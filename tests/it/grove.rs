@@ -348,7 +348,7 @@ fn leaders_stand_in_graded_graphs() {
 #[test]
 fn graded_presets_have_straight_trunks() {
     for name in ["graded-ash", "graded-elm"] {
-        let synth = treesynth::presets::by_name(name).expect("a preset").synth(40_000);
+        let synth = treesynth::presets::by_name(name).expect("a preset").guided().unwrap().synth(40_000);
         for seed in 1..6 {
             let tree = synth.synthesize(seed).expect("a tree");
             let own: Vec<Vec3> =

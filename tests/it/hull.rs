@@ -104,7 +104,7 @@ fn width(tree: &Skeleton, direction: Vec3) -> f32 {
 fn crowns_in_round_volumes_are_round() {
     let diagonals = [Vec3::new(1.0, 0.0, 1.0), Vec3::new(1.0, 0.0, -1.0)].map(Vec3::normalize);
     for name in ["figure-06a", "figure-06b", "figure-12-t03", "figure-12-t06"] {
-        let synth = presets::by_name(name).unwrap().synth(60_000);
+        let synth = presets::by_name(name).unwrap().guided().unwrap().synth(60_000);
         let mean: f32 = (1..=20)
             .map(|seed| {
                 let tree = synth.synthesize(seed).unwrap();

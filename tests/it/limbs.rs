@@ -82,7 +82,7 @@ fn angles_by_metre_hold_across_a_refinement() {
 #[test]
 fn presets_keep_their_size_on_any_graph() {
     for name in ["figure-07", "figure-17g", "figure-06b", "fine-oak", "fine-ash"] {
-        let preset = presets::by_name(name).unwrap();
+        let preset = presets::by_name(name).unwrap().guided().unwrap();
         let size = |nodes: usize| {
             let size = |seed| {
                 let metrics = Metrics::of(&preset.synth(nodes).synthesize(seed).unwrap());
@@ -157,7 +157,7 @@ fn forks_know_order_length_and_direction_in_a_tree() {
 /// Beyond the paper no limb is a bare whip, none is too thin to hold itself up.
 #[test]
 fn limbs_beyond_the_paper_are_clothed_and_stout() {
-    for preset in presets::all().filter(|preset| preset.figure == 0) {
+    for preset in presets::guided().filter(|preset| preset.figure == 0) {
         for seed in 1..=3 {
             let tree = preset.synth(60_000).synthesize(seed).unwrap();
             let children = tree.children();

@@ -37,8 +37,11 @@ mod phenomena;
 #[cfg(feature = "testing")]
 mod planar;
 mod planted;
-#[cfg(feature = "testing")]
+#[cfg(all(feature = "json", feature = "preview", feature = "import"))]
+mod readable;
+#[cfg(feature = "json")]
 mod recipe;
+#[cfg(feature = "testing")]
 mod refinement;
 mod sample;
 mod shapes;

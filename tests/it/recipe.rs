@@ -34,7 +34,7 @@ fn survives(recipe: &Recipe) -> Result<Skeleton, SynthesisError> {
 
 #[test]
 fn each_preset_survives_its_text_and_grows_the_same_tree() {
-    for preset in presets::all() {
+    for preset in presets::guided() {
         let recipe = preset.recipe(2_000);
         let tree = survives(&recipe).unwrap();
         assert_eq!(tree, preset.synth(2_000).synthesize(preset.seed).unwrap(), "{}", preset.name);
@@ -46,7 +46,7 @@ fn each_preset_survives_its_text_and_grows_the_same_tree() {
 
 #[test]
 fn presets_that_differ_have_recipes_that_differ() {
-    let recipes: Vec<_> = presets::all().map(|preset| (preset.name, preset.recipe(2_000))).collect();
+    let recipes: Vec<_> = presets::guided().map(|preset| (preset.name, preset.recipe(2_000))).collect();
     for (i, (name, recipe)) in recipes.iter().enumerate() {
         for (other, theirs) in &recipes[..i] {
             // Figure 12 shows the tree of figure 11, finished.
@@ -60,7 +60,7 @@ proptest! {
     #![proptest_config(ProptestConfig { cases: 24, ..ProptestConfig::default() })]
     #[test]
     fn presets_of_any_size_and_seed_survive(number in 0usize..64, nodes in 400usize..2_500, seed: u64) {
-        let all: Vec<_> = presets::all().collect();
+        let all: Vec<_> = presets::guided().collect();
         // A graph may be too coarse for a preset; then it is so from the text too.
         let _ = survives(&all[number % all.len()].recipe(nodes).with_seed(seed));
     }
@@ -226,7 +226,7 @@ fn a_recipe_weighs_and_guides_as_its_strategies_do() {
 /// Each field's name is needed and known: another is refused, with its line and its place.
 #[test]
 fn unknown_and_missing_fields_are_told_with_line_and_place() {
-    for preset in presets::all() {
+    for preset in presets::guided() {
         let text = preset.recipe(1_000).to_json().unwrap();
         let lines: Vec<&str> = text.lines().collect();
         for (number, line) in lines.iter().enumerate() {
@@ -244,7 +244,7 @@ fn unknown_and_missing_fields_are_told_with_line_and_place() {
         }
     }
     let broken = |from: &str, to: &str| {
-        let text = presets::by_name("figure-07").unwrap().recipe(1_000).to_json().unwrap();
+        let text = presets::by_name("figure-07").unwrap().guided().unwrap().recipe(1_000).to_json().unwrap();
         assert!(text.contains(from), "{text}");
         Recipe::from_json(&text.replacen(from, to, 1)).unwrap_err().to_string()
     };
@@ -263,7 +263,7 @@ fn unknown_and_missing_fields_are_told_with_line_and_place() {
 /// What the builder refuses, the text refuses with the same words.
 #[test]
 fn values_out_of_range_give_the_builders_errors() {
-    let preset = presets::by_name("fine-ash").unwrap();
+    let preset = presets::by_name("fine-ash").unwrap().guided().unwrap();
     let text = preset.recipe(2_000).to_json().unwrap();
     for (from, to, parameter) in [
         ("\"bare_base\": 0.2", "\"bare_base\": 1.0", "LimbSurface.bare_base"),

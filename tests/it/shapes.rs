@@ -8,10 +8,11 @@ use treesynth::guided::{
     AroundTree, Bend, EndpointError, HopSurface, InShape, NearestTo, NearestToEach, PoissonYao, Refinement,
     Stage, TreeSynth,
 };
+use treesynth::presets;
 use treesynth::shape::{
     CrossProfile, Cuboid, Extrusion, HalfEllipsoid, Outline, Sketch, Sphere, TriangleMesh, Union,
 };
-use treesynth::variational::{GuidanceShape, VariationalSynth, by_name};
+use treesynth::variational::{GuidanceShape, VariationalSynth};
 use treesynth::{EndpointPolicy, Shape, Skeleton, SynthesisError};
 
 /// A double pyramid, 4 m high, on eight faces.
@@ -87,8 +88,10 @@ fn likeness(a: &BTreeSet<(i32, i32)>, b: &BTreeSet<(i32, i32)>) -> f32 {
 /// Figure 13: the twigs of each letter look more like its silhouette than like that of any other.
 #[test]
 fn letters_read_as_letters() {
-    let letters: Vec<_> =
-        "graphics".chars().map(|name| by_name(&format!("variational-13-{name}")).unwrap()).collect();
+    let letters: Vec<_> = "graphics"
+        .chars()
+        .map(|name| presets::by_name(&format!("variational-13-{name}")).unwrap().variational().unwrap())
+        .collect();
     let silhouettes: Vec<_> = letters
         .iter()
         .map(|letter| seen(letter.synth(8000).unwrap().shape().positions().iter().copied()))

@@ -114,7 +114,7 @@ fn trees_do_not_depend_on_the_threads() {
     for name in
         ["figure-05-right", "figure-06c", "figure-07", "figure-08a", "figure-13", "figure-17b", "figure-17e"]
     {
-        let preset = presets::by_name(name).expect("a preset");
+        let preset = presets::by_name(name).expect("a preset").guided().unwrap();
         let synth = preset.synth(20_000);
         let grow = || tree_hash(&synth.synthesize(preset.seed).expect("a tree"));
         all_the_same(&at_thread_counts(grow), name);
@@ -124,7 +124,7 @@ fn trees_do_not_depend_on_the_threads() {
 /// Enough shape nodes that several threads have a part in each step.
 #[test]
 fn trees_in_shapes_are_the_same_as_ever() {
-    let preset = treesynth::variational::by_name("variational-14-oak").expect("a preset");
+    let preset = presets::by_name("variational-14-oak").expect("a preset").variational().unwrap();
     let synth = preset.synth(6_000).expect("a shape");
     let grow = || tree_hash(&synth.synthesize(preset.seed).expect("a tree"));
     let hashes = at_thread_counts(grow);
@@ -134,7 +134,7 @@ fn trees_in_shapes_are_the_same_as_ever() {
 
 #[test]
 fn the_seed_matters() {
-    let synth = presets::by_name("figure-06c").expect("a preset").synth(3000);
+    let synth = presets::by_name("figure-06c").expect("a preset").guided().unwrap().synth(3000);
     let hash = |seed| tree_hash(&synth.synthesize(seed).expect("a tree"));
     assert_eq!(hash(1), hash(1));
     assert!(hash(1) != hash(2) && hash(1) != hash(1 << 32) && hash(1) != hash(1 << 63));
@@ -153,7 +153,7 @@ const COARSE: usize = 3000;
 /// "Late endpoints are 'up to' the figure's count, so that coarse graphs work too."
 #[test]
 fn every_preset_grows_in_a_coarse_graph() {
-    let failed: Vec<String> = presets::all()
+    let failed: Vec<String> = presets::guided()
         .filter_map(|preset| {
             let error = preset.synth(COARSE).synthesize(preset.seed).err()?;
             Some(format!("{}: {error}", preset.name))
@@ -166,7 +166,7 @@ const TABLE: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/it/pinned.txt");
 
 #[test]
 fn presets_grow_the_same_trees_as_ever() {
-    let found: BTreeMap<String, u64> = presets::all()
+    let found: BTreeMap<String, u64> = presets::guided()
         .map(|preset| {
             // One that does not grow is pinned by what it says; the test above calls it by name.
             let hash = match preset.synth(COARSE).synthesize(preset.seed) {
@@ -228,7 +228,13 @@ fn mesh_hash(mesh: &Mesh) -> u64 {
 /// Vertices are computed in fours, and levels made while the next one is looked for.
 #[test]
 fn tubes_are_the_same_as_ever() {
-    let tree = presets::by_name("figure-18").expect("a preset").synth(30_000).synthesize(1).expect("a tree");
+    let tree = presets::by_name("figure-18")
+        .expect("a preset")
+        .guided()
+        .unwrap()
+        .synth(30_000)
+        .synthesize(1)
+        .expect("a tree");
     let tree = tree.relaxed(0.5, 3).expect("sound options");
     let kinds = [
         (Tubes::default().with_closed_base(true).with_wind(true), 0x04ea_d069_4ca9_8a44),
@@ -250,7 +256,13 @@ fn tubes_are_the_same_as_ever() {
 /// Blocks are made and marched in parallel, and joined in order.
 #[test]
 fn closed_surfaces_do_not_depend_on_the_threads() {
-    let tree = presets::by_name("figure-06c").expect("a preset").synth(3000).synthesize(1).expect("a tree");
+    let tree = presets::by_name("figure-06c")
+        .expect("a preset")
+        .guided()
+        .unwrap()
+        .synth(3000)
+        .synthesize(1)
+        .expect("a tree");
     for error in [0.0, 0.1] {
         let hash = || {
             let surface = Implicit::default().with_voxel(0.01).with_error(error);

@@ -8,7 +8,7 @@ use treesynth::surface::{Capsules, Level, Levels, Material, SurfaceError, Tubes}
 use treesynth::{Bounds, Skeleton, presets};
 
 fn tree(name: &str, nodes: usize) -> Skeleton {
-    let preset = presets::by_name(name).expect("a preset");
+    let preset = presets::by_name(name).expect("a preset").guided().unwrap();
     let tree = preset.synth(nodes).synthesize(preset.seed).expect("a tree");
     tree.relaxed(0.5, 3).expect("sound options")
 }
@@ -69,7 +69,7 @@ fn levels_end_where_nothing_is_left_to_drop() {
 
 #[test]
 fn every_preset_has_a_sound_mesh() {
-    for preset in presets::all() {
+    for preset in presets::guided() {
         let tree = tree(preset.name, 3000);
         let mesh = Tubes::default().with_wind(true).mesh(&tree).expect(preset.name);
         mesh.check().expect(preset.name);

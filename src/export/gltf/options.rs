@@ -7,6 +7,11 @@ use glam::Vec3;
 
 /// How a glTF file says that a mesh stands in many places.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(rename_all = "snake_case", deny_unknown_fields)
+)]
 #[non_exhaustive]
 pub enum Instancing {
     /// One mesh of all copies, multiplied out on their way into the file: core glTF, whole in every reader. A copy takes all
@@ -25,6 +30,11 @@ pub enum Instancing {
 ///
 /// For a file each, write each level by [`write_glb_parts`](super::write_glb_parts).
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(rename_all = "snake_case", deny_unknown_fields)
+)]
 #[non_exhaustive]
 pub enum LevelNodes {
     /// `MSFT_lod`: a program that does not know the extension shows the finest level alone.
@@ -52,6 +62,32 @@ pub struct GlbOptions {
     pub(super) wind: WindEncoding,
     pub(super) breeze: Option<Breeze>,
 }
+
+impl GlbOptions {
+    /// What [`with_name`](Self::with_name) sets.
+    pub fn name(&self) -> &str {
+        &self.name
+    }
+
+    /// What [`with_coverages`](Self::with_coverages) sets.
+    pub fn coverages(&self) -> &[f32] {
+        &self.coverages
+    }
+
+    /// What [`with_breeze`](Self::with_breeze) sets.
+    pub fn breeze(&self) -> Option<&Breeze> {
+        self.breeze.as_ref()
+    }
+}
+
+crate::recipe::readable!(GlbOptions {
+    material: Material,
+    instancing: Instancing,
+    levels: LevelNodes,
+    quantization: bool,
+    origin: Vec3,
+    wind: WindEncoding,
+});
 
 impl Default for GlbOptions {
     /// Named `tree`, [`Material::bark`], [`Instancing::Merged`], [`LevelNodes::Extension`], no screen coverages, not

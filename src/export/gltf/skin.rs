@@ -19,7 +19,7 @@ const KEYS: usize = 81;
 /// use treesynth::export::{self, Breeze, GlbOptions};
 /// use treesynth::{presets, surface::Tubes};
 ///
-/// let tree = presets::by_name("figure-06b").unwrap().synth(1000).synthesize(1)?.relaxed(0.5, 3)?;
+/// let tree = presets::by_name("figure-06b").unwrap().guided().unwrap().synth(1000).synthesize(1)?.relaxed(0.5, 3)?;
 /// let mesh = Tubes::default().with_wind(true).mesh(&tree)?;
 /// let options = GlbOptions::default().with_breeze(Breeze::of(&tree)?.with_bones(24));
 /// export::write_glb(&mesh, &options, std::io::sink())?;
@@ -33,6 +33,8 @@ pub struct Breeze {
     gust: Vec3,
     bones: usize,
 }
+
+crate::recipe::readable!(Breeze { gust: Vec3, bones: usize });
 
 impl Breeze {
     /// A breeze along +X of 0.4 of the strongest gust, by at most 64 bones.
@@ -184,7 +186,7 @@ mod tests {
 
     #[test]
     fn a_breeze_is_whole() {
-        let preset = presets::by_name("figure-06b").expect("a preset");
+        let preset = presets::by_name("figure-06b").expect("a preset").guided().unwrap();
         let tree = preset.synth(1500).synthesize(1).expect("a tree").relaxed(0.5, 3).expect("sound options");
         let mesh = Tubes::default().with_wind(true).mesh(&tree).expect("a mesh");
         let leaves = Foliage::new(Leaf::ovate()).place(&tree, 1).expect("leaves");

@@ -5,6 +5,11 @@ use glam::Vec3;
 
 /// How a glTF file carries the [`Wind`] of its vertices.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(rename_all = "snake_case", deny_unknown_fields)
+)]
 #[non_exhaustive]
 pub enum WindEncoding {
     /// Attributes of our own, 64 bytes a vertex: `_WIND_TRUNK`, `_WIND_LIMB` and `_WIND_TWIG` (VEC3, the moments),

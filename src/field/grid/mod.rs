@@ -44,6 +44,8 @@ pub struct GridField {
     zero_outside: bool,
 }
 
+crate::recipe::readable!(GridField { zero_outside: bool });
+
 /// Why there is no field.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]

@@ -44,12 +44,15 @@ use std::f32::consts::{FRAC_PI_2, PI};
 /// ```
 #[must_use]
 #[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
 pub struct DrawnLimbs {
     strokes: Vec<Stroke>,
     angle: f32,
     depth: f32,
     detail: Option<f32>,
 }
+
+crate::recipe::readable!(DrawnLimbs { angle: f32, depth: f32, detail: Option<f32> });
 
 /// Parts of the longest stroke, unless the detail is given.
 const PARTS: f32 = 64.0;

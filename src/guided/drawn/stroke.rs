@@ -17,6 +17,7 @@ use glam::{Vec2, Vec3};
 /// assert!(side.point(Vec2::new(400.0, 150.0)).abs_diff_eq(Vec3::Y * 1.5, 1e-5));
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
 pub struct Canvas {
     base: Vec3,
     right: Vec3,
@@ -66,13 +67,21 @@ impl Canvas {
 /// Thickness is optional: what is given is the least that the limb has in the end.
 #[must_use]
 #[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
 pub struct Stroke {
     line: Line,
     diameters: Option<[f32; 2]>,
     smooth: bool,
 }
 
+crate::recipe::readable!(Stroke { diameters: Option<[f32; 2]> });
+
 #[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(rename_all = "snake_case", deny_unknown_fields)
+)]
 enum Line {
     Space(Vec<Vec3>),
     Flat(Canvas, Vec<Vec2>),

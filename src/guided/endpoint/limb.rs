@@ -45,6 +45,10 @@ pub struct LimbSurface {
     least_order: u16,
 }
 
+crate::recipe::readable!(in surface: LimbSurface { hop_length: Option<f32>, outermost: f32 });
+
+crate::recipe::readable!(LimbSurface { bare_base: f32, least_order: u16 });
+
 impl LimbSurface {
     /// One endpoint, `hops` edges off the tree, for every `spacing` metres of each branch, the trunk included; at least
     /// one a branch where there are candidates. Finite and above 0.

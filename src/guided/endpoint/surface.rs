@@ -22,6 +22,27 @@ pub struct HopSurface {
     count: Count,
 }
 
+crate::recipe::readable!(in surface: HopSurface {
+    outermost: f32, random_weights: f32, hop_length: Option<f32>,
+});
+
+impl HopSurface {
+    /// Edges from the tree to its endpoints.
+    pub fn hops(&self) -> u32 {
+        self.surface.hops
+    }
+
+    /// How many endpoints.
+    pub fn count(&self) -> Count {
+        self.count
+    }
+
+    /// What [`only`](Self::only) sets.
+    pub fn side(&self) -> Option<Side> {
+        self.surface.side
+    }
+}
+
 /// Which of the nodes around the tree endpoints are drawn from.
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]

@@ -112,6 +112,18 @@ pub struct InShape<S> {
     poisson_disc: bool,
 }
 
+impl<S> InShape<S> {
+    /// Where endpoints lie.
+    pub fn shape(&self) -> &S {
+        &self.shape
+    }
+
+    /// How many endpoints.
+    pub fn count(&self) -> Count {
+        self.count
+    }
+}
+
 crate::recipe::mapped!(InShape { shape; count, poisson_disc });
 
 impl<S: Shape> InShape<S> {

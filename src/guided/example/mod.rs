@@ -43,7 +43,7 @@ use std::sync::Arc;
 /// ```
 /// use treesynth::{Metrics, guided::Example, presets};
 ///
-/// let oak = presets::by_name("fine-oak").expect("a preset").synth(8_000).synthesize(1)?;
+/// let oak = presets::by_name("fine-oak").expect("a preset").guided().unwrap().synth(8_000).synthesize(1)?;
 /// let example = Example::of(&oak)?;
 /// assert!(example.orders()[1].angle > 0.3 && example.trunk().diameter > 0.1);
 ///

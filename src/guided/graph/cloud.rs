@@ -165,6 +165,8 @@ pub struct PointCloud {
     reach: Option<f32>,
 }
 
+crate::recipe::readable!(PointCloud { root: Vec3, reach: Option<f32> });
+
 impl PointCloud {
     /// A graph over `points`, metres, that must be finite and distinct.
     pub fn new(points: Vec<Vec3>, edges: Edges) -> Self {
@@ -216,6 +218,8 @@ pub struct Lattice<S> {
     jitter: f32,
     edges: Edges,
 }
+
+crate::recipe::readable!(@[S] Lattice<S> { jitter: f32, edges: Edges });
 
 crate::recipe::mapped!(Lattice { region; spacing, jitter, edges });
 

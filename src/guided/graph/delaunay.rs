@@ -41,6 +41,8 @@ pub struct PoissonDelaunay<S> {
     root: Vec3,
 }
 
+crate::recipe::readable!(@[S] PoissonDelaunay<S> { root: Vec3 });
+
 impl<A> PoissonDelaunay<A> {
     /// The same in another region.
     pub(crate) fn map<B>(self, region: impl FnOnce(A) -> B) -> PoissonDelaunay<B> {

@@ -64,6 +64,20 @@ pub struct GradedYao<S, F> {
     spacing: Once<Result<Arc<Spacing>, ParameterError>>,
 }
 
+impl<S, F> GradedYao<S, F> {
+    /// What [`with_roots`](Self::with_roots) sets, if it was called.
+    pub fn roots(&self) -> Option<&[Vec3]> {
+        self.roots.as_deref()
+    }
+
+    /// What [`with_leaders`](Self::with_leaders) sets.
+    pub fn leaders(&self) -> &[Leader] {
+        &self.leaders
+    }
+}
+
+crate::recipe::readable!(@[S, F] GradedYao<S, F> { nodes: Option<usize>, grading: f32, sectors: usize });
+
 crate::recipe::mapped!(GradedYao { region, sizing; nodes, grading, sectors, roots, leaders, spacing });
 
 /// The limits of `PoissonYao`: on nodes, on discs in the region's bounds, on edges.

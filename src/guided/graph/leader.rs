@@ -31,6 +31,8 @@ pub struct Leader {
     waywardness: f32,
 }
 
+crate::recipe::readable!(Leader { waywardness: f32 });
+
 /// Waves of one, two, ... half turns from base to top, and how fast higher ones get smaller.
 const WAVES: usize = 5;
 const FALL: f32 = 1.6;

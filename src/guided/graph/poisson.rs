@@ -46,6 +46,30 @@ pub struct PoissonYao<S> {
     trees: Vec<Skeleton>,
 }
 
+impl<S> PoissonYao<S> {
+    /// What [`with_roots`](Self::with_roots) sets, if it was called.
+    pub fn roots(&self) -> Option<&[Vec3]> {
+        self.roots.as_deref()
+    }
+
+    /// What [`with_leaders`](Self::with_leaders) sets.
+    pub fn leaders(&self) -> &[Leader] {
+        &self.leaders
+    }
+
+    /// What each [`with_tree`](Self::with_tree) has added.
+    pub fn trees(&self) -> &[Skeleton] {
+        &self.trees
+    }
+
+    /// What [`with_nodes`](Self::with_nodes) sets; `None` where it was the spacing.
+    pub fn nodes(&self) -> Option<usize> {
+        if let Size::Nodes(nodes) = self.size { Some(nodes) } else { None }
+    }
+}
+
+crate::recipe::readable!(@[S] PoissonYao<S> { sectors: usize });
+
 crate::recipe::mapped!(PoissonYao { region; size, planar, sectors, roots, leaders, trees });
 
 #[derive(Debug, Clone, Copy, PartialEq)]

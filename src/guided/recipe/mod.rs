@@ -32,7 +32,7 @@ use crate::skeleton::Skeleton;
 /// use treesynth::{glam::Vec3, presets};
 /// use treesynth::guided::{Bend, EndpointRecipe, HopSurface, NearestTo, Stage, TreeSynth};
 ///
-/// let mut recipe = presets::by_name("figure-06b").expect("a preset of this name").recipe(4_000);
+/// let mut recipe = presets::by_name("figure-06b")?.guided()?.recipe(4_000);
 /// let published = recipe.clone();
 /// // A higher trunk, and less of everything after the limbs.
 /// recipe.stages[0].endpoints = NearestTo::new(Vec3::Y * 9.0).into();
@@ -44,7 +44,7 @@ use crate::skeleton::Skeleton;
 /// // A last stage that may have any rule, weight and policy.
 /// let more = TreeSynth::from(recipe).stage(Stage::new(Bend::none(), HopSurface::new(1, 100)));
 /// assert!(more.synthesize(1)?.tips().count() > tree.tips().count());
-/// # Ok::<(), treesynth::SynthesisError>(())
+/// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[must_use]
 #[derive(Debug, Clone, PartialEq)]

@@ -28,14 +28,14 @@ impl Recipe {
     /// ```
     /// use treesynth::{guided::Recipe, presets};
     ///
-    /// let recipe = presets::by_name("figure-07").expect("a preset of this name").recipe(5_000);
+    /// let recipe = presets::by_name("figure-07")?.guided()?.recipe(5_000);
     /// let text = recipe.to_json()?;
     /// assert_eq!(Recipe::from_json(&text)?, recipe);
     /// let error = Recipe::from_json(&text.replace("\"outermost\"", "\"outmost\"")).unwrap_err();
     /// assert!(error.to_string().contains("stages[1].endpoints.hop_surface.surface.outmost: unknown field"), "{error}");
     /// let error = Recipe::from_json(&text.replace("0.6", "1.6")).unwrap_err();
     /// assert_eq!(error.to_string(), "HopSurface.outermost is 1.6, but must be in (0, 1] (stage 1)");
-    /// # Ok::<(), treesynth::guided::RecipeError>(())
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
     ///
     /// # Errors
@@ -118,7 +118,7 @@ fn field_at(text: &str, line: usize, column: usize) -> String {
     let mut path = String::new();
     for level in levels {
         match level {
-            Level::Array(number) => path.push_str(&format!("[{number}]")),
+            Level::Array(number) => path = format!("{path}[{number}]"),
             Level::Object(key) if key.is_empty() => {}
             Level::Object(key) if path.is_empty() => path = key,
             Level::Object(key) => path = format!("{path}.{key}"),

@@ -47,6 +47,8 @@ pub struct Bend {
     hop_length: Option<f32>,
 }
 
+crate::recipe::readable!(Bend { hop_length: Option<f32>, axis: BendAxis });
+
 /// An angle in radians, and the rotation by it: sine and cosine are worked out once.
 #[derive(Clone, Copy)]
 #[cfg_attr(

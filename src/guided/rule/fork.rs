@@ -31,6 +31,8 @@ pub struct ForkAngle<R> {
     rule: R,
 }
 
+crate::recipe::readable!(@[R] ForkAngle<R> { spread: f32, divergence: Option<(f32, f32)> });
+
 crate::recipe::mapped!(ForkAngle { rule; angle, spread, divergence });
 
 impl<R: GuidingRule> ForkAngle<R> {

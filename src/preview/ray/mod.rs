@@ -40,11 +40,14 @@ use octree::Octree;
 /// ```
 #[must_use]
 #[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
 pub struct RayCaster {
     preview: Preview,
     shadows: bool,
     most_cubes: usize,
 }
+
+crate::recipe::readable!(RayCaster { shadows: bool, most_cubes: usize });
 
 impl Default for RayCaster {
     /// Of the default [`Preview`], with shadows, at most 20 million cubes.

@@ -12,11 +12,14 @@ const MEETING: f32 = 0.45;
 /// How [generalized bounded blending](super::BlobTreeBuilder::bounded) joins its parts.
 #[must_use]
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
 pub struct Bounded {
     pub(super) inside: Operator,
     pub(super) outside: Operator,
     color: Option<[f32; 3]>,
 }
+
+crate::recipe::readable!(Bounded { color: Option<[f32; 3]> });
 
 impl Bounded {
     /// The operators where the bounding field is 1 and where it is 0: the paper's B₁ and B₂.
@@ -92,7 +95,7 @@ impl Bounded {
     }
 
     /// The colour of all parts together from their values and colours, where the bounding field has a value.
-    pub(super) fn color(&self, parts: &[(f32, [f32; 3])], field: f32) -> [f32; 3] {
+    pub(super) fn color_of(&self, parts: &[(f32, [f32; 3])], field: f32) -> [f32; 3] {
         let outside = self.outside.color(parts);
         if field <= 0.0 {
             return outside;

@@ -20,6 +20,7 @@ const SHARPEST_TURN: f32 = -0.5;
 /// sharper than 120° stay.
 #[must_use]
 #[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
 pub struct Curve {
     points: Vec<Vec3>,
     radii: Vec<f32>,
@@ -29,6 +30,10 @@ pub struct Curve {
     strength: f32,
     color: [f32; 3],
 }
+
+crate::recipe::readable!(Curve {
+    tangents: [Option<Vec3>; 2], turn: f32, field: FieldFunction, strength: f32, color: [f32; 3],
+});
 
 impl Curve {
     /// Through `points` (metres), with the radius of each, metres. A single point is a ball.

@@ -15,6 +15,11 @@ const WYVILL_REACH: f32 = 2.201_663_5;
 /// bounding fields (section 3.1 of Galbraith, Mündermann and Wyvill 2004): 0 at x = 1, so that the radius says how
 /// far they reach.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(rename_all = "snake_case", deny_unknown_fields)
+)]
 #[non_exhaustive]
 pub enum FieldFunction {
     /// From 1 at x = 1 - w to 0 at 1 + w for the `width` w, above 0 and at most 1, by the polynomial of degree 5 without slope

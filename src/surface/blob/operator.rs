@@ -14,10 +14,13 @@ use crate::{Bounds, ParameterError, math};
 /// an operator like any other.)
 #[must_use]
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
 pub struct Contact {
     pub(super) reach: f32,
     pub(super) bulge: f32,
 }
+
+crate::recipe::readable!(Contact { reach: f32, bulge: f32 });
 
 impl Default for Contact {
     /// Reach 1/2, so all around where the other solid is felt; bulge 0.
@@ -82,6 +85,11 @@ impl Contact {
 
 /// An operator of a [`BlobTree`](super::BlobTree): a function of the fields of its parts, all at least 0.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(rename_all = "snake_case", deny_unknown_fields)
+)]
 #[non_exhaustive]
 pub enum Operator {
     /// The sum: a smooth blend.

@@ -20,6 +20,7 @@ const ROUNDING: f32 = 8.0 * f32::EPSILON;
 /// [added](super::BlobTreeBuilder::add).
 #[must_use]
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
 pub struct Primitive {
     pub(super) ends: [Vec3; 2],
     pub(super) radii: [f32; 2],
@@ -27,6 +28,8 @@ pub struct Primitive {
     pub(super) strength: f32,
     pub(super) color: [f32; 3],
 }
+
+crate::recipe::readable!(Primitive { field: FieldFunction, strength: f32, color: [f32; 3] });
 
 impl Primitive {
     /// A ball: a point with a radius, metres.

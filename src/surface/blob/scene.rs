@@ -269,7 +269,7 @@ impl Scene {
                     let field = stack.pop().map_or(0.0, |part| part.0);
                     let start = stack.len() - parts as usize;
                     let (style, parts) = (&self.styles[style as usize], &stack[start..]);
-                    let felt = (style.combine(&values(parts), field), style.color(parts, field));
+                    let felt = (style.combine(&values(parts), field), style.color_of(parts, field));
                     stack.truncate(start);
                     felt
                 }

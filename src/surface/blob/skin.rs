@@ -39,6 +39,7 @@ const NARROW: f32 = 0.25;
 /// ```
 #[must_use]
 #[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
 pub struct Skin {
     age: Option<f32>,
     blend: f32,
@@ -51,6 +52,11 @@ pub struct Skin {
     bark: [f32; 3],
     mark: [f32; 3],
 }
+
+crate::recipe::readable!(Skin {
+    age: Option<f32>, blend: f32, turn: f32, bulge: f32, scars: f32, ridges: f32, scar_years: f32,
+    ridge_years: f32, bark: [f32; 3], mark: [f32; 3],
+});
 
 impl Default for Skin {
     /// As old as the last stage and one year; blends 0.7 radii wide; scars and ridges of full strength, bulge 2; scars

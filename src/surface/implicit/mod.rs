@@ -59,6 +59,7 @@ use solid::Solid;
 /// ```
 #[must_use]
 #[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
 pub struct Implicit {
     voxel: Option<f32>,
     detail: f32,
@@ -67,6 +68,10 @@ pub struct Implicit {
     most_blocks: usize,
     wind: bool,
 }
+
+crate::recipe::readable!(Implicit {
+    voxel: Option<f32>, detail: f32, blend: f32, error: f32, most_blocks: usize, wind: bool,
+});
 
 /// A voxel is at least this part of the greatest coordinate, so that 32-bit floats can tell corners of triangles apart.
 const FINEST: f32 = 1.0 / 32_768.0;

@@ -25,11 +25,14 @@ use crate::surface::{Mesh, SurfaceError};
 /// ```
 #[must_use]
 #[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
 pub struct Polygonizer {
     voxel: Option<f32>,
     most_blocks: usize,
     colors: bool,
 }
+
+crate::recipe::readable!(Polygonizer { voxel: Option<f32>, most_blocks: usize, colors: bool });
 
 impl Default for Polygonizer {
     /// Finest voxels of 1/1024 of the longest side of the solid's box, colours, at most two million blocks.

@@ -375,7 +375,7 @@ fn square_tiles_change_nothing_but_v() {
 #[test]
 fn no_limb_swells() {
     for name in ["figure-17e", "figure-06c", "fine-oak"] {
-        let preset = crate::presets::by_name(name).expect("a preset");
+        let preset = crate::presets::by_name(name).expect("a preset").guided().unwrap();
         let tree = preset.synth(3000).synthesize(1).expect("a tree").relaxed(0.5, 3).expect("sound options");
         let branches = tree.branches();
         for error in [0.001, 0.01, 0.05, 0.26, 1.0] {
@@ -391,7 +391,7 @@ fn no_limb_swells() {
 #[test]
 fn tubes_keep_a_budget_and_branches_go_one_after_another() {
     for name in ["figure-17e", "figure-06c", "fine-oak"] {
-        let preset = crate::presets::by_name(name).expect("a preset");
+        let preset = crate::presets::by_name(name).expect("a preset").guided().unwrap();
         let tree = preset.synth(3000).synthesize(1).expect("a tree").relaxed(0.5, 3).expect("sound options");
         let mut finer: Option<(f32, Vec<bool>)> = None;
         for triangles in [20_000, 5_000, 1_000, 200, 40] {

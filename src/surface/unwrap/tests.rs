@@ -66,7 +66,7 @@ fn measure(skeleton: &Skeleton, detail: f32, tile: f32) -> Measured {
 #[test]
 fn stretch_is_bounded_and_texels_are_even() {
     for (name, nodes) in [("figure-06b", 400), ("figure-18", 500), ("figure-17e", 300)] {
-        let preset = presets::by_name(name).expect("a preset");
+        let preset = presets::by_name(name).expect("a preset").guided().expect("guided");
         for seed in 0..2 {
             let tree = preset.synth(nodes).synthesize(seed).expect("a tree").relaxed(0.5, 3).expect("sound");
             // A tile that goes around the thinnest wood.

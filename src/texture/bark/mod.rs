@@ -26,6 +26,11 @@ use plated::{Pine, Plane};
 
 /// What a bark does as the wood under it grows.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
+#[cfg_attr(
+    feature = "serde",
+    derive(serde::Serialize, serde::Deserialize),
+    serde(rename_all = "snake_case", deny_unknown_fields)
+)]
 #[non_exhaustive]
 pub enum BarkKind {
     /// Deep fissures between long ridges that split, join and break crosswise: oak, elm, willow, locust.
@@ -97,6 +102,7 @@ pub struct BarkSet {
 /// ```
 #[must_use]
 #[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
 pub struct Bark {
     kind: BarkKind,
     size: f32,
@@ -111,6 +117,16 @@ pub struct Bark {
     seed: u64,
     resolution: u32,
 }
+
+crate::recipe::readable!(Bark {
+    depth: f32,
+    age: f32,
+    color: [u8; 3],
+    palette: [[u8; 3]; 3],
+    spread: f32,
+    seed: u64,
+    resolution: u32,
+});
 
 impl Bark {
     fn of(
@@ -250,11 +266,6 @@ impl Bark {
     /// What it does as it grows.
     pub fn kind(&self) -> BarkKind {
         self.kind
-    }
-
-    /// Pixels a side.
-    pub fn resolution(&self) -> u32 {
-        self.resolution
     }
 
     /// The side of the tile, metres.

@@ -43,7 +43,13 @@ fn changed(change: impl FnOnce(&mut Value)) -> String {
 fn a_grown_tree_comes_back_bit_for_bit() {
     let (tree, text) = small();
     assert_eq!(read_skeleton(text.as_bytes()).expect("its own text"), tree);
-    let ash = presets::by_name("figure-06c").expect("a preset").synth(3000).synthesize(1).expect("a tree");
+    let ash = presets::by_name("figure-06c")
+        .expect("a preset")
+        .guided()
+        .unwrap()
+        .synth(3000)
+        .synthesize(1)
+        .expect("a tree");
     let mut text = Vec::new();
     write_skeleton(&ash, &mut text).expect("vectors take everything");
     assert_eq!(read_skeleton(&text[..]).expect("its own text"), ash);

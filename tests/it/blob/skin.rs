@@ -109,7 +109,7 @@ fn marks_stay_where_they_belong() {
 #[test]
 fn any_skeleton_can_wear_it() {
     for name in ["figure-06c", "figure-13", "figure-18"] {
-        let preset = trees::by_name(name).expect("a preset");
+        let preset = trees::by_name(name).unwrap().guided().unwrap();
         let skeleton = preset.synth(4000).synthesize(preset.seed).expect("a tree");
         let tree = worn(&Skin::default(), &skeleton);
         assert!(tree.primitives() > skeleton.segments());

@@ -18,7 +18,8 @@ use treesynth::{Skeleton, presets};
 
 /// A grown tree in leaf.
 fn tree() -> (Skeleton, Mesh, Leaves) {
-    let skeleton = presets::by_name("figure-07").unwrap().synth(1_000).synthesize(1).unwrap();
+    let skeleton =
+        presets::by_name("figure-07").unwrap().guided().unwrap().synth(1_000).synthesize(1).unwrap();
     let bark = Tubes::default().mesh(&skeleton).unwrap();
     let leaves =
         Foliage::new(Leaf::lobed().with_petiole(0.5)).with_thickest(0.1).place(&skeleton, 1).unwrap();

@@ -85,7 +85,7 @@ fn a_core_reader_finds_the_whole_tree() {
     let blade = Textures::default().with_base_color(checked(7, 4)).with_alpha_cutoff(0.5);
     let blade = blade.with_transmission(checked(9, 3));
     let mut trees = 0;
-    for preset in presets::all() {
+    for preset in presets::guided() {
         let Some(foliage) = preset.foliage(Season::Summer) else { continue };
         let Ok(skeleton) = preset.synth(400).synthesize(preset.seed) else { continue };
         let mut bark = Tubes::default().mesh(&skeleton).unwrap();
@@ -126,7 +126,7 @@ fn a_core_reader_finds_the_whole_tree() {
 
 #[test]
 fn a_stand_of_200_trees_of_5_kinds_is_written_once_a_kind() {
-    let preset = presets::by_name("figure-07").unwrap();
+    let preset = presets::by_name("figure-07").unwrap().guided().unwrap();
     let kinds: Vec<_> = (0..5)
         .map(|seed| {
             let skeleton = preset.synth(300).synthesize(seed).unwrap();

@@ -15,7 +15,7 @@ use treesynth::field::{Helix, Rotation, SphericalMeridians, VectorField};
 use treesynth::glam::Vec3;
 use treesynth::guided::*;
 use treesynth::math::{UP, angle_between, atan2, ln};
-use treesynth::presets::{self, Preset, TYPICAL_NODES};
+use treesynth::presets::{self, Found, Preset, TYPICAL_NODES};
 use treesynth::shape::{Cuboid, HalfEllipsoid, Shell};
 use treesynth::{GuidingRule, Metrics, Shape, Silent, Skeleton};
 
@@ -31,7 +31,7 @@ struct Tree {
 }
 
 fn preset(name: &str) -> &'static Preset {
-    presets::by_name(name).unwrap_or_else(|| panic!("no preset {name}"))
+    presets::by_name(name).and_then(Found::guided).unwrap_or_else(|error| panic!("{error}"))
 }
 
 /// Some stages on a graph that is there already: the builder is not asked.

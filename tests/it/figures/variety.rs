@@ -2,7 +2,7 @@ use super::*;
 
 #[test]
 fn figure_15() {
-    let ashes: Vec<Tree> = presets::all()
+    let ashes: Vec<Tree> = presets::guided()
         .filter(|preset| preset.figure == 15)
         .map(|preset| Tree::of(preset.name, 40_000, preset.seed))
         .collect();

@@ -21,7 +21,7 @@ fn figure_09() {
 #[test]
 fn figure_10() {
     // The volume drawn is that of the second iteration's endpoints.
-    for preset in presets::all() {
+    for preset in presets::guided() {
         assert_eq!(preset.volume().is_some(), preset.figure == 10, "{}", preset.name);
         let Some(volume) = preset.volume() else { continue };
         let tree = Tree::partial(preset.name, NODES, 1, 2);
@@ -37,7 +37,7 @@ fn figure_10() {
 
 #[test]
 fn figures_01_04_and_11() {
-    let of = |figure| presets::all().filter(move |preset| preset.figure == figure).collect::<Vec<_>>();
+    let of = |figure| presets::guided().filter(move |preset| preset.figure == figure).collect::<Vec<_>>();
     assert_eq!([of(1).len(), of(4).len(), of(11).len()], [3, 1, 1]);
     // Each iteration of figure 4 adds branches, finer ones.
     let tree = Tree::of("figure-04", 40_000, 1);

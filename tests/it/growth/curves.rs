@@ -2,7 +2,7 @@
 
 use proptest::prelude::*;
 use treesynth::ParameterError;
-use treesynth::growth::{Curve, Growth, GrowthError, Phenology, Species};
+use treesynth::growth::{Architecture, Curve, Growth, GrowthError, Phenology};
 
 fn line() -> Curve {
     Curve::new([[0.0, 0.0], [1.0, 1.0]]).expect("a line")
@@ -88,46 +88,46 @@ fn files_with_bad_curves_are_refused() {
     for text in ["[[0.5,1],[0.2,1]]", "[]", "[[0,1e30]]", "[[2,1]]"] {
         assert!(serde_json::from_str::<Curve>(text).is_err(), "{text}");
     }
-    let species = Species::spruce();
+    let species = Architecture::spruce();
     let json = serde_json::to_value(&species).expect("text");
-    assert_eq!(serde_json::from_value::<Species>(json.clone()).expect("a species"), species);
+    assert_eq!(serde_json::from_value::<Architecture>(json.clone()).expect("a species"), species);
     let mut extra = json;
     extra["leaves"] = serde_json::json!(1);
-    assert!(serde_json::from_value::<Species>(extra).is_err());
+    assert!(serde_json::from_value::<Architecture>(extra).is_err());
 }
 
 /// Each option just beyond its range, and what the message calls it.
 #[test]
 fn species_name_what_is_out_of_range() {
-    let species = Species::default;
+    let species = Architecture::default;
     let flat = |value: f32| Curve::constant(value).expect("a value");
     let year = Phenology::default;
     let nan = f32::NAN;
     let wrong =
         vec![
-            ("Species.years is 0", species().with_years(0)),
-            ("Species.years is 1001", species().with_years(1001)),
-            ("Species.least_shoot", species().with_least_shoot(0.0)),
-            ("Species.least_shoot", species().with_least_shoot(nan)),
-            ("Species.longest_branch", species().with_longest_branch(0.0)),
-            ("Species.least_scale", species().with_least_scale(1.1)),
-            ("Species.most_order is 17", species().with_most_order(17)),
-            ("Species.divergence", species().with_divergence(7.0)),
-            ("Species.stoutness", species().with_stoutness(-0.1)),
-            ("Species.twig_radius", species().with_twig_radius(0.0)),
-            ("Species.variation", species().with_variation(nan)),
-            ("Species.scale_variation", species().with_scale_variation(1.0)),
-            ("Species.tropism", species().with_tropism(f32::NEG_INFINITY)),
-            ("Species.height", species().with_height(flat(-1.0))),
-            ("Species.young_silhouette", species().with_young_silhouette(flat(11.0))),
-            ("Species.mature_silhouette", species().with_mature_silhouette(flat(-0.1))),
-            ("Species.short_heading", species().with_short_heading(flat(2.6))),
-            ("Species.long_heading", species().with_long_heading(flat(-2.6))),
-            ("Species.branch_scale", species().with_branch_scale(flat(1.1))),
-            ("Species.lifespan", species().with_lifespan(flat(-1.0))),
-            ("Species.metamers", species().with_metamers(flat(1001.0))),
-            ("Species.shoot_scale", species().with_shoot_scale(flat(-0.1))),
-            ("Species.branching_angle", species().with_branching_angle(flat(0.0))),
+            ("Architecture.years is 0", species().with_years(0)),
+            ("Architecture.years is 1001", species().with_years(1001)),
+            ("Architecture.least_shoot", species().with_least_shoot(0.0)),
+            ("Architecture.least_shoot", species().with_least_shoot(nan)),
+            ("Architecture.longest_branch", species().with_longest_branch(0.0)),
+            ("Architecture.least_scale", species().with_least_scale(1.1)),
+            ("Architecture.most_order is 17", species().with_most_order(17)),
+            ("Architecture.divergence", species().with_divergence(7.0)),
+            ("Architecture.stoutness", species().with_stoutness(-0.1)),
+            ("Architecture.twig_radius", species().with_twig_radius(0.0)),
+            ("Architecture.variation", species().with_variation(nan)),
+            ("Architecture.scale_variation", species().with_scale_variation(1.0)),
+            ("Architecture.tropism", species().with_tropism(f32::NEG_INFINITY)),
+            ("Architecture.height", species().with_height(flat(-1.0))),
+            ("Architecture.young_silhouette", species().with_young_silhouette(flat(11.0))),
+            ("Architecture.mature_silhouette", species().with_mature_silhouette(flat(-0.1))),
+            ("Architecture.short_heading", species().with_short_heading(flat(2.6))),
+            ("Architecture.long_heading", species().with_long_heading(flat(-2.6))),
+            ("Architecture.branch_scale", species().with_branch_scale(flat(1.1))),
+            ("Architecture.lifespan", species().with_lifespan(flat(-1.0))),
+            ("Architecture.metamers", species().with_metamers(flat(1001.0))),
+            ("Architecture.shoot_scale", species().with_shoot_scale(flat(-0.1))),
+            ("Architecture.branching_angle", species().with_branching_angle(flat(0.0))),
             ("Phenology.season", species().with_phenology(year().with_season(0.5, 0.5))),
             ("Phenology.season", species().with_phenology(year().with_season(nan, 0.5))),
             ("Phenology.leaf_years is 0", species().with_phenology(year().with_leaf_years(0))),
@@ -159,7 +159,7 @@ fn species_name_what_is_out_of_range() {
 
 #[test]
 fn ages_out_of_range_are_named() {
-    let growth = Growth::new(Species::default().with_years(3), 1).expect("a tree");
+    let growth = Growth::new(Architecture::default().with_years(3), 1).expect("a tree");
     for age in [-0.1, f32::NAN, f32::INFINITY, f32::NEG_INFINITY, 3.001] {
         let error = growth.at(age).expect_err("no such age");
         assert!(matches!(error, GrowthError::Parameter(_)), "{error}");
@@ -173,8 +173,8 @@ fn ages_out_of_range_are_named() {
 
 #[test]
 fn a_limit_keeps_the_years_before() {
-    let whole = Growth::new(Species::default(), 1).expect("a tree");
-    let limited = Growth::with_most_nodes(Species::default(), 1, 5000).expect("some years");
+    let whole = Growth::new(Architecture::default(), 1).expect("a tree");
+    let limited = Growth::with_most_nodes(Architecture::default(), 1, 5000).expect("some years");
     let years = limited.years();
     assert!((2..27).contains(&years) && limited.nodes() <= 5000);
     let age = f32::from(years);
@@ -186,10 +186,10 @@ fn a_limit_keeps_the_years_before() {
     assert!(matches!(error, GrowthError::Limit { limit: 5000, nodes: 5001.., .. }), "{error}");
     assert!(error.to_string().contains(&format!("up to the age of {years}")), "{error}");
     for limit in [0, (1 << 31) + 1] {
-        let message = message(Growth::with_most_nodes(Species::default(), 1, limit));
+        let message = message(Growth::with_most_nodes(Architecture::default(), 1, limit));
         assert!(message.starts_with("Growth.most_nodes"), "{message}");
     }
-    let none = Growth::with_most_nodes(Species::default(), 1, 1).expect("a seed");
+    let none = Growth::with_most_nodes(Architecture::default(), 1, 1).expect("a seed");
     assert_eq!((none.years(), none.nodes()), (0, 1));
     assert_eq!(none.at(0.0).expect("a seed").skeleton.len(), 1);
     assert!(none.at(0.5).is_err());

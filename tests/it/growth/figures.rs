@@ -7,7 +7,7 @@ use treesynth::metrics::Metrics;
 use treesynth::presets::{self, Grown};
 
 fn preset(name: &str) -> &'static Grown {
-    presets::grown_by_name(name).expect("a preset of this name")
+    presets::by_name(name).expect("a preset of this name").grown().unwrap()
 }
 
 fn growth(name: &str) -> Growth {
@@ -236,7 +236,7 @@ fn figure_15_cottonwood() {
 fn species_differ() {
     let at_last = |name: &str| {
         let preset = preset(name);
-        let species = preset.species().expect("a species").with_most_order(2);
+        let species = preset.architecture().expect("a species").with_most_order(2);
         let years = f32::from(species.years());
         Growth::new(species, 1).expect("a tree").at(years).expect("a tree").skeleton
     };

@@ -6,17 +6,17 @@ use std::collections::BTreeMap;
 use std::fmt::Write as _;
 use std::sync::LazyLock;
 use treesynth::glam::Vec3;
-use treesynth::growth::{Curve, Growth, Species, TreeAtAge};
+use treesynth::growth::{Architecture, Curve, Growth, TreeAtAge};
 use treesynth::presets;
 
 /// Five species at full size are slow to grow for each of many cases, so they grow once.
 static TREES: LazyLock<Vec<Growth>> = LazyLock::new(|| {
     let species = [
-        Species::cottonwood(),
-        Species::spruce(),
-        Species::lombardy_poplar(),
-        Species::weeping_birch(),
-        Species::spreading_oak(),
+        Architecture::cottonwood(),
+        Architecture::spruce(),
+        Architecture::lombardy_poplar(),
+        Architecture::weeping_birch(),
+        Architecture::spreading_oak(),
     ];
     let young = species.into_iter().map(|species| species.with_most_order(2));
     young.map(|species| Growth::new(species, 5).expect("a tree")).collect()
@@ -109,7 +109,7 @@ proptest! {
                 prop_assert!(*within >= length - rounding);
             }
             let Some(after) = after.get(branch) else { continue };
-            prop_assert!(after - length >= growth.species().least_shoot() - rounding, "{} to {}", length, after);
+            prop_assert!(after - length >= growth.architecture().least_shoot() - rounding, "{} to {}", length, after);
             compared += 1;
         }
         prop_assert!(compared > 0);
@@ -205,7 +205,7 @@ fn internodes_of_a_shoot_are_equal() {
 #[test]
 fn the_trunk_is_as_long_as_its_curve_says() {
     let height = Curve::new([[0.0, 0.0], [0.5, 6.0], [1.0, 8.0]]).expect("a curve");
-    let species = Species::default().with_years(10).with_height(height.clone()).with_most_order(1);
+    let species = Architecture::default().with_years(10).with_height(height.clone()).with_most_order(1);
     let growth = Growth::new(species, 2).expect("a tree");
     for year in 1..=10u16 {
         let stand = growth.at(f32::from(year)).expect("a tree");
@@ -218,7 +218,7 @@ fn the_trunk_is_as_long_as_its_curve_says() {
 #[test]
 fn same_seed_same_bits_and_other_seeds_other_trees() {
     let at = |seed: u64, age: f32| {
-        hash(&Growth::new(Species::default(), seed).expect("a tree").at(age).expect("it"))
+        hash(&Growth::new(Architecture::default(), seed).expect("a tree").at(age).expect("it"))
     };
     assert_eq!(at(1, 7.5), at(1, 7.5));
     assert!(at(1, 7.5) != at(2, 7.5) && at(1, 7.5) != at(1 << 40, 7.5));

@@ -1,17 +1,17 @@
 //! Leaves, buds and shoots through the year.
 
-use treesynth::growth::{Curve, Growth, Phenology, Species, TreeAtAge};
+use treesynth::growth::{Architecture, Curve, Growth, Phenology, TreeAtAge};
 
 fn curve<const N: usize>(points: [[f32; 2]; N]) -> Curve {
     Curve::new(points).expect("a curve")
 }
 
-fn at(species: Species, age: f32) -> TreeAtAge {
+fn at(species: Architecture, age: f32) -> TreeAtAge {
     Growth::new(species, 1).expect("a species in range").at(age).expect("an age in range")
 }
 
-fn with(change: impl Fn(Phenology) -> Phenology) -> Species {
-    let species = Species::default().with_most_order(1);
+fn with(change: impl Fn(Phenology) -> Phenology) -> Architecture {
+    let species = Architecture::default().with_most_order(1);
     let phenology = change(species.phenology().clone());
     species.with_phenology(phenology)
 }
@@ -47,7 +47,7 @@ fn buds_follow_each_other_up_the_shoot() {
 #[test]
 fn the_shortest_internodes_keep_their_laterals() {
     let constant = |value| Curve::constant(value).expect("a curve");
-    let species = Species::default()
+    let species = Architecture::default()
         .with_height(curve([[0.0, 0.0], [0.3, 24.0], [1.0, 24.0]]))
         .with_least_shoot(1e-4)
         .with_metamers(constant(100.0))

@@ -6,7 +6,13 @@ use treesynth::growth::Timeline;
 use treesynth::{Skeleton, presets};
 
 fn elm() -> Skeleton {
-    presets::by_name("figure-07").expect("a preset").synth(3000).synthesize(1).expect("a tree")
+    presets::by_name("figure-07")
+        .expect("a preset")
+        .guided()
+        .unwrap()
+        .synth(3000)
+        .synthesize(1)
+        .expect("a tree")
 }
 
 /// A stem of 2 m whose foot is 3 cm thick and whose top 1 cm, with a side branch of 1 m as thick as the top.

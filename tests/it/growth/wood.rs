@@ -1,20 +1,20 @@
 //! Wood over the years: limbs die before they break, rings stay, forks keep their cross-section.
 
 use std::collections::BTreeMap;
-use treesynth::growth::{Growth, Species, TreeAtAge};
+use treesynth::growth::{Architecture, Growth, TreeAtAge};
 
 /// A name, the species, and its years.
-type Kind = (&'static str, fn() -> Species, f32);
+type Kind = (&'static str, fn() -> Architecture, f32);
 
 const SPECIES: [Kind; 8] = [
-    ("cottonwood", Species::cottonwood, 27.0),
-    ("spruce", Species::spruce, 40.0),
-    ("Lombardy poplar", Species::lombardy_poplar, 30.0),
-    ("weeping birch", Species::weeping_birch, 30.0),
-    ("oak", Species::spreading_oak, 40.0),
-    ("maple", Species::norway_maple, 40.0),
-    ("ash", Species::european_ash, 40.0),
-    ("horse chestnut", Species::horse_chestnut, 40.0),
+    ("cottonwood", Architecture::cottonwood, 27.0),
+    ("spruce", Architecture::spruce, 40.0),
+    ("Lombardy poplar", Architecture::lombardy_poplar, 30.0),
+    ("weeping birch", Architecture::weeping_birch, 30.0),
+    ("oak", Architecture::spreading_oak, 40.0),
+    ("maple", Architecture::norway_maple, 40.0),
+    ("ash", Architecture::european_ash, 40.0),
+    ("horse chestnut", Architecture::horse_chestnut, 40.0),
 ];
 
 /// The length of the internode below each node, and whether it lives, by number.
@@ -114,7 +114,9 @@ fn no_wood_thins_and_forks_keep_their_cross_section() {
 /// Two buds face each other at each metamer, each pair across the one before; laterals spring in pairs as well.
 #[test]
 fn opposite_species_bear_pairs() {
-    for species in [Species::norway_maple(), Species::european_ash(), Species::horse_chestnut()] {
+    for species in
+        [Architecture::norway_maple(), Architecture::european_ash(), Architecture::horse_chestnut()]
+    {
         let single = species.clone().with_forking(0.0).with_variation(0.0).with_most_order(1);
         for seed in 1..=3 {
             let tree =
@@ -141,7 +143,7 @@ fn opposite_species_bear_pairs() {
 /// Forks of like strength: both halves within a quarter of each other's thickness, leaning apart.
 #[test]
 fn branches_fork() {
-    let forks = |species: Species, seed| {
+    let forks = |species: Architecture, seed| {
         let tree = Growth::new(species, seed).expect("a species in range").at(20.0).expect("an age");
         let skeleton = &tree.skeleton;
         let mut children = vec![Vec::new(); skeleton.len()];
@@ -158,7 +160,7 @@ fn branches_fork() {
     };
     for seed in 1..=4 {
         let [plain, forked] = [0.0, 0.3]
-            .map(|chance| forks(Species::norway_maple().with_most_order(3).with_forking(chance), seed));
+            .map(|chance| forks(Architecture::norway_maple().with_most_order(3).with_forking(chance), seed));
         println!("seed {seed}: {plain} and {forked} forks of like strength");
         assert!(forked >= plain + 3, "{plain} {forked}");
     }
@@ -167,7 +169,7 @@ fn branches_fork() {
 #[test]
 fn leaves_turn_to_the_light_as_far_as_asked() {
     let upward = |weight: f32| {
-        let species = Species::cottonwood().with_most_order(2);
+        let species = Architecture::cottonwood().with_most_order(2);
         let phenology = species.phenology().clone().with_light_turn(weight);
         let growth = Growth::new(species.with_phenology(phenology), 1).expect("a species in range");
         let leaves = growth.at(8.6).expect("an age").leaves;

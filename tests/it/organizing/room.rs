@@ -21,7 +21,7 @@ fn light(half: f32, height: f32) -> ShadowPropagation {
 #[test]
 fn the_box_is_no_lid() {
     for seed in 1..=3 {
-        let mut forest = presets::stand_by_name("stand-excurrent").unwrap().plant(seed).unwrap();
+        let mut forest = presets::by_name("stand-excurrent").unwrap().stand().unwrap().plant(seed).unwrap();
         forest.grow(22).unwrap();
         let tree = &forest.trees()[0];
         let top = top(tree);

@@ -8,7 +8,7 @@ use treesynth::shape::{Cuboid, Sphere};
 use treesynth::{Metrics, Shape, Skeleton, presets};
 
 fn grown(name: &str, seed: u64) -> Forest {
-    presets::stand_by_name(name).expect("a stand of this name").grow(seed).expect("it grows")
+    presets::by_name(name).expect("a stand of this name").stand().unwrap().grow(seed).expect("it grows")
 }
 
 fn alone(name: &str, seed: u64) -> Skeleton {

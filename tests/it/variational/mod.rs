@@ -5,6 +5,7 @@ mod topology;
 use crate::sample::cases;
 use proptest::prelude::*;
 use treesynth::glam::{DVec3, Vec3};
+use treesynth::presets;
 use treesynth::shape::{Ellipsoid, HalfEllipsoid, Sphere};
 use treesynth::variational::*;
 use treesynth::{ParameterError, Silent, Skeleton};
@@ -311,7 +312,7 @@ fn every_preset_costs_less_than_a_star_and_a_spanning_tree() {
 
 /// A growth of a preset with so many shape nodes.
 fn grown(name: &str, count: usize) -> Growth {
-    let preset = by_name(name).unwrap_or_else(|| panic!("no preset {name}"));
+    let preset = presets::by_name(name).unwrap().variational().unwrap();
     preset.synth(count).map(|synth| synth.grow(preset.seed, &Silent).expect("a tree")).expect("a preset")
 }
 

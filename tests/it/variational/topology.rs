@@ -2,6 +2,7 @@
 
 use super::strain;
 use treesynth::glam::Vec3;
+use treesynth::presets;
 use treesynth::shape::{HalfEllipsoid, Shape, Sphere, Union};
 use treesynth::variational::*;
 use treesynth::{Silent, Skeleton};
@@ -79,7 +80,7 @@ fn tips_point_forward_whatever_p_is() {
 #[test]
 fn no_preset_costs_more_than_before() {
     for (name, before) in BEFORE {
-        let preset = by_name(name).expect("a preset of this name");
+        let preset = presets::by_name(name).unwrap().variational().unwrap();
         let growth = grown(&preset.synth(400).expect("a shape"), preset.seed);
         let found = growth.trace[growth.best].total;
         println!("{name}: {found:.3}, {:.2}% of {before}", 100.0 * found / before);
@@ -219,7 +220,7 @@ fn thickness_follows_size() {
 /// Figure 11: the tree at every step of the trace can be read, and the last is the tree itself.
 #[test]
 fn steps_between_can_be_read() {
-    let preset = by_name("variational-14-maple").expect("a preset");
+    let preset = presets::by_name("variational-14-maple").unwrap().variational().unwrap();
     let synth = preset.synth(300).expect("a shape");
     let mut seen = Vec::new();
     let growth = synth
@@ -248,7 +249,7 @@ fn wood_keeps_to_letters() {
         ("g", 0.12),
         ("s", 0.12),
     ] {
-        let preset = by_name(&format!("variational-13-{name}")).expect("a letter");
+        let preset = presets::by_name(&format!("variational-13-{name}")).unwrap().variational().unwrap();
         let synth = preset.synth(2000).expect("a shape");
         let tree = grown(&synth, preset.seed).skeleton;
         let shape = synth.shape();

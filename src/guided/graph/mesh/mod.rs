@@ -70,6 +70,8 @@ pub struct PoissonSurface {
     welded: Arc<OnceLock<Triangles>>,
 }
 
+crate::recipe::readable!(PoissonSurface { tolerance: f32, root: Vec3 });
+
 #[derive(Debug, Clone, Copy)]
 enum Size {
     Nodes(usize),

@@ -75,11 +75,14 @@ impl MeshFormat {
 /// ```
 #[must_use]
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
 pub struct Import {
     up: UpAxis,
     unit: f64,
     offset: DVec3,
 }
+
+crate::recipe::readable!(Import { up: UpAxis, unit: f64, offset: DVec3 });
 
 impl Default for Import {
     /// +Y up, metres, where it stands.

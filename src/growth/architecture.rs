@@ -7,13 +7,13 @@ use std::f32::consts::TAU;
 
 /// A species: the paper's functions G as [`Curve`]s, with their limits.
 ///
-/// `Species::default()` is the paper's, [`cottonwood`](Self::cottonwood); seven others stand beside it. A value is checked
+/// `Architecture::default()` is the paper's, [`cottonwood`](Self::cottonwood); seven others stand beside it. A value is checked
 /// where growth starts.
 ///
 /// ```
-/// use treesynth::growth::{Curve, Species};
+/// use treesynth::growth::{Curve, Architecture};
 ///
-/// let pollard = Species::default().with_height(Curve::new([[0.0, 0.0], [0.2, 2.0], [1.0, 2.5]])?);
+/// let pollard = Architecture::default().with_height(Curve::new([[0.0, 0.0], [0.2, 2.0], [1.0, 2.5]])?);
 /// assert!(pollard.check().is_ok());
 /// assert!(pollard.with_years(0).check().is_err());
 /// # Ok::<(), treesynth::ParameterError>(())
@@ -21,7 +21,7 @@ use std::f32::consts::TAU;
 #[must_use]
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
-pub struct Species {
+pub struct Architecture {
     pub(super) years: u16,
     pub(super) least_shoot: f32,
     pub(super) longest_branch: f32,
@@ -50,7 +50,34 @@ pub struct Species {
     pub(super) phenology: Phenology,
 }
 
-impl Species {
+crate::recipe::readable!(Architecture {
+    longest_branch: f32,
+    least_scale: f32,
+    most_order: u16,
+    divergence: f32,
+    whorl: u16,
+    forking: f32,
+    stoutness: f32,
+    twig_radius: f32,
+    variation: f32,
+    scale_variation: f32,
+    tropism: f32,
+});
+
+crate::recipe::readable!(&Architecture {
+    height: Curve,
+    young_silhouette: Curve,
+    mature_silhouette: Curve,
+    short_heading: Curve,
+    long_heading: Curve,
+    branch_scale: Curve,
+    lifespan: Curve,
+    metamers: Curve,
+    shoot_scale: Curve,
+    branching_angle: Curve,
+});
+
+impl Architecture {
     /// The greatest age, `y_max`, years, 1 to 1000.
     pub fn with_years(mut self, years: u16) -> Self {
         self.years = years;
@@ -258,11 +285,11 @@ impl Species {
     /// The first that is not.
     pub fn check(&self) -> Result<(), ParameterError> {
         let years = self.years;
-        ParameterError::unless((1..=1000).contains(&years), "Species.years", years, "1 to 1000")?;
+        ParameterError::unless((1..=1000).contains(&years), "Architecture.years", years, "1 to 1000")?;
         let order = self.most_order;
-        ParameterError::unless(order <= 16, "Species.most_order", order, "0 to 16")?;
+        ParameterError::unless(order <= 16, "Architecture.most_order", order, "0 to 16")?;
         let whorl = self.whorl;
-        ParameterError::unless((1..=8).contains(&whorl), "Species.whorl", whorl, "1 to 8")?;
+        ParameterError::unless((1..=8).contains(&whorl), "Architecture.whorl", whorl, "1 to 8")?;
         for (name, value, least, most) in [
             ("forking", self.forking, 0.0, 1.0),
             ("least_shoot", self.least_shoot, 0.0001, 10.0),
@@ -277,10 +304,10 @@ impl Species {
         ] {
             let range = format!("{least:?} to {most:?}");
             let holds = (least..=most).contains(&value);
-            ParameterError::unless(holds, &format!("Species.{name}"), value, &range)?;
+            ParameterError::unless(holds, &format!("Architecture.{name}"), value, &range)?;
         }
         for (name, curve, least, most) in self.ranges() {
-            curve.check(&format!("Species.{name}"), least, most)?;
+            curve.check(&format!("Architecture.{name}"), least, most)?;
         }
         self.phenology.check()
     }
