@@ -68,6 +68,7 @@ pub mod presets;
 pub mod preview;
 pub mod radius;
 pub mod random;
+pub mod scan;
 pub mod self_organizing;
 pub mod shape;
 pub mod skeleton;
