@@ -69,6 +69,7 @@ pub mod preview;
 pub mod radius;
 pub mod random;
 mod recipe;
+pub mod scan;
 pub mod self_organizing;
 pub mod shape;
 pub mod skeleton;

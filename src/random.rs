@@ -47,6 +47,8 @@ impl Purpose {
     pub const CARDS: Self = Self(49);
     /// What distinguishes trees of one species, and the branches of each.
     pub const SPECIES: Self = Self(64);
+    /// The noise of a simulated scanner.
+    pub const SCAN: Self = Self(80);
     /// The first purpose that the crate itself never uses.
     pub const CUSTOM: Self = Self(1 << 16);
 }
