@@ -178,7 +178,7 @@ fn impostors_hide_as_much_as_the_tree() {
 
 #[test]
 fn crowns_are_round_and_dark_inside() {
-    let preset = presets::by_name("fine-oak").expect("a preset");
+    let preset = presets::by_name("fine-oak").expect("a preset").guided().expect("guided");
     let tree = tree(preset, 8_000);
     let builder = small(preset, foliage_of(preset)).with_triangles(Some(6_000));
     let asset = builder.build(&tree, 1).expect("an asset");
