@@ -14,7 +14,8 @@
 //! [`self_organizing`] and [`growth`] grow it; a [`Skeleton`] is what comes out; [`radius`] makes it thick, [`metrics`] measures it, [`surface`] makes triangles of
 //! it, [`foliage`] puts leaves on it, [`export`] writes files, and
 //! [`preview`](https://docs.rs/treesynth/latest/treesynth/preview/) draws pictures. [`presets`] has the trees of the
-//! papers' figures and more, ready made, and [`species`] grows trees by name.
+//! papers' figures and more, ready made, and [`species`] grows trees by name. [`mod@format`] and [`cloud`] read and write what plant
+//! scientists use, and [`scan`] makes point clouds of known trees.
 //!
 //! ```
 //! use treesynth::{Metrics, presets, surface::Tubes};
