@@ -6,7 +6,7 @@ use treesynth::Skeleton;
 use treesynth::asset::{Asset, AssetBuilder, Impostor};
 use treesynth::foliage::{Foliage, Leaves};
 use treesynth::presets::Preset;
-use treesynth::surface::{Implicit, Material, Mesh, Part, Sway, Tubes};
+use treesynth::surface::{Implicit, Mesh, Part, Sway, Tubes};
 
 /// Triangles of each level over those of the one before.
 const SHARE: f32 = 0.3;
