@@ -100,8 +100,8 @@ impl AssetBuilder {
     }
 
     /// Old bark and young of one kind: `bark` on thick wood, and on wood thinner than 3 cm ([`THIN`](Self::THIN)) the same
-    /// [`young`](Bark::young), in images a quarter as wide, 64 pixels at the least. The material is white, the size of a tile that of
-    /// the bark, and [texels are even](Tubes::with_even_texels); tubes that are set later need both again.
+    /// [`young`](Bark::young), in images a quarter as wide, 64 pixels at the least. The material is white, and the size of a tile that of
+    /// the bark; tubes that are set later need [`Tubes::with_tile`] again.
     ///
     /// # Errors
     /// As [`Bark::bake`].
@@ -113,7 +113,7 @@ impl AssetBuilder {
     pub(crate) fn with_bark_in_colors(mut self, bark: &Bark, young: &Bark) -> Result<Self, AssetError> {
         let young = young.clone().with_resolution((bark.resolution() / 4).max(64)).bake()?;
         let old = bark.bake()?;
-        self.tubes = self.tubes.with_tile(old.size).with_even_texels(true);
+        self.tubes = self.tubes.with_tile(old.size);
         let own = self.with_bark(Material::white().with_roughness(1.0)).with_bark_textures(old.textures);
         Ok(own.with_young_bark(young.textures, young.size, Self::THIN))
     }

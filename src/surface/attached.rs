@@ -363,7 +363,7 @@ mod tests {
             let tree = preset.synth(presets::TYPICAL_NODES).synthesize(preset.seed).expect("a tree");
             hold(preset.name, &tree);
         }
-        for preset in variational::presets().step_by(3) {
+        for preset in variational::presets().step_by(6) {
             let synth = preset.synth(3_500).expect("enough shape nodes");
             hold(preset.name, &synth.synthesize(preset.seed).expect("a tree"));
         }
