@@ -154,6 +154,16 @@ impl<E: Environment> SelfOrganizing<E> {
         self.forest.environment()
     }
 
+    /// What [`with_most_metamers`](Self::with_most_metamers) sets.
+    pub fn most_metamers(&self) -> usize {
+        self.forest.most_metamers()
+    }
+
+    /// What [`with_parts`](Self::with_parts) sets.
+    pub fn parts(&self) -> u32 {
+        self.forest.parts()
+    }
+
     /// Seasons so far.
     pub fn season(&self) -> u16 {
         self.forest.season()

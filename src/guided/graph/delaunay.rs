@@ -74,6 +74,16 @@ impl<S: Shape> PoissonDelaunay<S> {
         self
     }
 
+    /// What [`with_nodes`](Self::with_nodes) sets; `None` where it was the spacing.
+    pub fn nodes(&self) -> Option<usize> {
+        self.nodes.nodes()
+    }
+
+    /// Where nodes lie.
+    pub fn region(&self) -> &S {
+        self.nodes.region()
+    }
+
     /// The spacing in metres, given or from the number of nodes and the region's area.
     ///
     /// # Errors

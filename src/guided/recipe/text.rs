@@ -81,7 +81,8 @@ fn field_at(text: &str, line: usize, column: usize) -> String {
     let mut levels: Vec<Level> = Vec::new();
     let (mut is_key, mut string) = (false, None::<String>);
     let mut escaped = false;
-    for c in text.as_bytes().iter().take(start + column).map(|&byte| byte as char) {
+    let until = start + column;
+    for c in text.char_indices().take_while(|&(at, _)| at < until).map(|(_, c)| c) {
         if let Some(word) = &mut string {
             match c {
                 _ if escaped => escaped = false,
@@ -145,6 +146,6 @@ mod tests {
         assert_eq!(at("4]"), "d.e[1][1]");
         assert_eq!(field_at(text, 4, 1), "recipe");
         assert_eq!(field_at("", 0, 0), "recipe");
-        assert_eq!(field_at("{\"ä\": ", 9, 9), "Ã¤", "bytes, and no panic");
+        assert_eq!(field_at("{\"ä\": ", 9, 9), "ä", "a place that is none, and no panic");
     }
 }

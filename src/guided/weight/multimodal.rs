@@ -30,7 +30,7 @@ impl Multimodal {
 }
 
 impl Multimodal {
-    /// The guiding vector alone, as in [`Guided`].
+    /// The guiding vector alone, as in [`Guided`](super::Guided).
     pub fn new() -> Self {
         Self::default()
     }
