@@ -162,7 +162,7 @@ impl Model {
 
     /// A nutlet with its wing, to the side of this sign; straight down for 0.
     fn wing(&mut self, side: f32) {
-        let way = Vec3::new(0.5 * side, if side == 0.0 { 1.0 } else { 0.85 }, 0.0);
+        let way = Vec3::new(0.5 * side, 1.0, 0.0);
         let nut = way * 0.28;
         self.blade([Vec3::ZERO, nut], 0.1, 0.55, Vec3::Z, [DARK, DARK]);
         let half_width = if side == 0.0 { 0.5 } else { 0.16 };

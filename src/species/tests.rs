@@ -114,7 +114,7 @@ fn tables_are_read_one_by_one_up_to_the_most() {
 fn what_would_fill_the_memory_is_refused() {
     for (section, field) in [
         ("[shoots]\nspacing = 0.005\n[limbs]\ncount = 400\n[branches]\nspacing = 0.05", "shoots.spacing"),
-        ("[shoots]\nspacing = 0.02\n[twigs]\nspacing = 0.01", "twigs.spacing"),
+        ("[limbs]\ncount = 400\n[shoots]\nspacing = 0.02\n[twigs]\nspacing = 0.01", "twigs.spacing"),
         (
             "[limbs]\ncount = 400\n[branches]\nspacing = 0.01\nratio = 10\nlength = [0.15, 200]",
             "branches.spacing",
@@ -192,7 +192,7 @@ fn every_sort_comes_in_its_time_and_goes() -> Result<(), Box<dyn Error>> {
             one.organs = vec![organ.clone()];
             let [first, full, falling, last] = organ.days;
             let count = |day: f32| {
-                Ok::<_, SpeciesError>(counts(&one, (day - 1.0) % 366.0 + 1.0)?.iter().sum::<usize>())
+                Ok::<_, SpeciesError>(counts(&one, (day.floor() - 1.0) % 366.0 + 1.0)?.iter().sum::<usize>())
             };
             let whole = count(0.5 * (full + falling))?;
             assert!(whole > 0, "{}: {organ:?}", species.name);
@@ -543,5 +543,5 @@ const PINNED: [u64; 5] = [
     5_569_327_459_333_709_865,
     2_436_095_927_829_343_505,
     16_584_895_027_756_445_903,
-    13_887_643_585_467_057_072,
+    12_749_893_753_207_783_376,
 ];
