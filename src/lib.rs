@@ -16,6 +16,9 @@
 //! [`preview`](https://docs.rs/treesynth/latest/treesynth/preview/) draws pictures. [`presets`] has the trees of the
 //! papers' figures and more, ready made, and [`species`] grows trees by name.
 //!
+//! Measured trees: [`cloud`] reads points, [`reconstruct`] makes a skeleton of them, [`format`] reads and writes skeletons as plant
+//! scientists have them, and [`scan`] makes clouds whose truth is known.
+//!
 //! ```
 //! use treesynth::{Metrics, presets, surface::Tubes};
 //!
@@ -68,6 +71,7 @@ pub mod presets;
 pub mod preview;
 pub mod radius;
 pub mod random;
+pub mod reconstruct;
 pub mod scan;
 pub mod self_organizing;
 pub mod shape;

@@ -36,6 +36,7 @@ mod phenomena;
 #[cfg(feature = "testing")]
 mod planar;
 mod planted;
+mod reconstruct;
 #[cfg(feature = "testing")]
 mod refinement;
 mod sample;

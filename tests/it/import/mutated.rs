@@ -196,8 +196,11 @@ fn bent_skeletons() {
 #[test]
 fn bent_tables_of_trees() {
     use treesynth::cloud::{Cloud, Frame, PlyEncoding};
-    use treesynth::format::{FormatError, Trees, read_mtg, read_qsm, read_swc, write_mtg, write_qsm, write_swc};
-    let nodes = [[0.0, 0.0, 0.0], [0.0, 1.0, 0.0], [1.0, 2.0, 0.0], [-1.0, 2.0, 0.5]].map(treesynth::glam::Vec3::from);
+    use treesynth::format::{
+        FormatError, Trees, read_mtg, read_qsm, read_swc, write_mtg, write_qsm, write_swc,
+    };
+    use treesynth::glam::Vec3;
+    let nodes = [[0.0, 0.0, 0.0], [0.0, 1.0, 0.0], [1.0, 2.0, 0.0], [-1.0, 2.0, 0.5]].map(Vec3::from);
     let tree = treesynth::Skeleton::new(nodes.to_vec(), vec![None, Some(0), Some(1), Some(1)]).unwrap();
     let tree = tree.with_radii(vec![0.2, 0.1, 0.05, 0.05]).unwrap();
     let frame = Frame::default();
@@ -217,7 +220,9 @@ fn bent_tables_of_trees() {
     let mut files = vec![Vec::new(); 4];
     cloud.write_xyz(&frame, &mut files[0]).unwrap();
     run("XYZ", &files[..1], |bytes| Cloud::read_xyz(&Frame::default(), bytes).is_ok());
-    for (file, encoding) in files[1..].iter_mut().zip([PlyEncoding::Text, PlyEncoding::Little, PlyEncoding::Big]) {
+    for (file, encoding) in
+        files[1..].iter_mut().zip([PlyEncoding::Text, PlyEncoding::Little, PlyEncoding::Big])
+    {
         cloud.write_ply(&frame, encoding, file).unwrap();
     }
     run("PLY clouds", &files[1..], |bytes| Cloud::read_ply(&Frame::default(), bytes).is_ok());
