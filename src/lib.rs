@@ -14,8 +14,10 @@
 //! [`self_organizing`] and [`growth`] grow it; a [`Skeleton`] is what comes out; [`radius`] makes it thick, [`metrics`] measures it, [`surface`] makes triangles of
 //! it, [`foliage`] puts leaves on it, [`export`] writes files, and
 //! [`preview`](https://docs.rs/treesynth/latest/treesynth/preview/) draws pictures. [`presets`] has the trees of the
-//! papers' figures and more, ready made, and [`species`] grows trees by name. [`mod@format`] and [`cloud`] read and write what plant
-//! scientists use, and [`scan`] makes point clouds of known trees.
+//! papers' figures and more, ready made, and [`species`] grows trees by name.
+//!
+//! Measured trees: [`cloud`] reads points, [`reconstruct`] makes a skeleton of them, [`mod@format`] reads and writes skeletons as plant
+//! scientists have them, and [`scan`] makes clouds whose truth is known.
 //!
 //! ```
 //! use treesynth::{Metrics, presets, surface::Tubes};
@@ -70,6 +72,7 @@ pub mod preview;
 pub mod radius;
 pub mod random;
 mod recipe;
+pub mod reconstruct;
 pub mod scan;
 pub mod self_organizing;
 pub mod shape;

@@ -70,7 +70,9 @@ pub(super) fn sort(rows: &[Row], names: Names<'_>) -> Result<Sorted, FormatError
     }
     if order.len() < rows.len() {
         let mut there = vec![false; rows.len()];
-        order.iter().for_each(|&place| there[place] = true);
+        for &place in &order {
+            there[place] = true;
+        }
         let row = there.iter().position(|there| !there).map_or(&rows[0], |place| &rows[place]);
         let problem = format!("the parents of {} lead in a circle, but must lead to a first row", row.id);
         return Err(FormatError::line(names.format, row.line, names.parent, problem));

@@ -69,7 +69,7 @@ impl<R: BufRead> Table<R> {
             }
         }
         let line = lines.line();
-        let count = |byte: u8| line.iter().filter(|&&other| other == byte).count();
+        let count = |byte: u8| line.split(|&other| other == byte).count() - 1;
         let most = [b',', b';', b'\t'].into_iter().max_by_key(|&byte| count(byte)).unwrap_or(b',');
         let delimiter = if count(most) > 0 { Delimiter::Byte(most) } else { Delimiter::Blanks };
         let mut names = Vec::new();
@@ -179,6 +179,8 @@ fn split(line: &[u8], delimiter: Delimiter) -> Vec<Vec<u8>> {
         }
     }
     fields.push(field);
-    fields.iter_mut().for_each(|field| *field = field.trim_ascii().to_vec());
+    for field in &mut fields {
+        *field = field.trim_ascii().to_vec();
+    }
     fields
 }

@@ -90,6 +90,22 @@ impl Search<'_> {
         Ok(report(terms.observer, work, 1.0)?)
     }
 
+    /// Searches from the trees as they stand to the end: then every node that a path leads to has its cost, path and guiding
+    /// vector. For those who have a graph and endpoints of their own; [`TreeSynth`](super::TreeSynth) does it for each stage.
+    ///
+    /// # Errors
+    /// A vector without a direction, a weight that is NaN or negative, and when the observer says so.
+    pub fn explore(
+        &mut self,
+        rule: &dyn GuidingRule,
+        weight: &dyn WeightFn,
+        seed: u64,
+        observer: &dyn Observer,
+    ) -> Result<(), SearchError> {
+        self.forget();
+        self.run(&Terms { rule, weight, stage: 0, stages: 1, seed, observer }, None)
+    }
+
     /// "The event of finalizing a node's cost also fixes its guiding vector", then its edges get their weights.
     fn settle(&mut self, graph: &Graph, node: u32, terms: &Terms<'_>) -> Result<(), SearchError> {
         let here = node as usize;

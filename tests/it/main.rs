@@ -41,6 +41,7 @@ mod planted;
 mod readable;
 #[cfg(feature = "json")]
 mod recipe;
+mod reconstruct;
 #[cfg(feature = "testing")]
 mod refinement;
 mod sample;

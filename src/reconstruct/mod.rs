@@ -1,0 +1,459 @@
+//! From points to a tree: the skeleton of a scanned tree, and its radii.
+
+mod fit;
+mod ground;
+mod limbs;
+mod net;
+mod nodes;
+mod radii;
+#[cfg(test)]
+mod tests;
+
+use glam::{DVec3, Vec3};
+
+use self::fit::Cylinder;
+use self::limbs::Ring;
+use self::nodes::Nodes;
+use crate::cloud::Cloud;
+use crate::guided::{Graph, GraphError, Search, SearchError};
+use crate::{ParameterError, Silent, Skeleton, SkeletonError};
+
+/// Makes a skeleton of the points of one tree.
+///
+/// 1. Ground is set aside if it is there; the trunk is found where the cloud is lowest, or begins where it is said to.
+/// 2. Points in one cube of a [side](Self::with_side) become one node. Nodes are linked to their neighbours within a reach that
+///    follows their density; parts that do not hang together are joined by edges over gaps, at a price.
+/// 3. The search of [`guided`](crate::guided) finds least-cost paths from the base to all nodes. Guiding vectors follow the way so
+///    far and the principal direction of the nodes around, so that paths stay in their limb and cross gaps straight on.
+/// 4. Nodes at one distance along their paths that hang together are a ring; its middle is a node of the skeleton, after Verroust and
+///    Lazarus 2000, "Extracting skeletal curves from 3D scattered data". Rings that go nowhere are left out.
+/// 5. Cylinders are fitted robustly to the points of neighbouring rings; they put axes into the middle of limbs and give radii.
+///    Where points are few, radii follow the power of the length borne that fits this tree's measured limbs. No radius grows
+///    towards the tips.
+///
+/// Clouds with leaves make trees of nonsense where leaves hide the wood: set leaves aside before. The same cloud gives the same bits
+/// at any number of threads. O(n log n) for n points; about 100 bytes a point and 500 bytes a node.
+///
+/// ```
+/// use treesynth::{Skeleton, glam::Vec3, reconstruct::Reconstruct, scan::Scanner, surface::{Part, Tubes}};
+///
+/// let nodes = vec![Vec3::ZERO, Vec3::Y * 2.0, Vec3::new(0.8, 3.0, 0.0), Vec3::new(-0.6, 3.0, 0.4)];
+/// let tree = Skeleton::new(nodes, vec![None, Some(0), Some(1), Some(1)])?.with_radii(vec![0.1, 0.1, 0.04, 0.04])?;
+/// let mesh = Tubes::default().with_root_flare(0.0).mesh(&tree)?;
+/// let scan = Scanner::around(Vec3::Y * 1.5, 6.0, 3).with_step(0.002).scan(&[Part::new(&mesh)], 1)?;
+/// let again = Reconstruct::default().reconstruct(&scan.cloud)?.skeleton;
+/// assert_eq!(again.tips().count(), 2);
+/// assert!((treesynth::metrics::diameter_at(&again, 1.3).unwrap_or(0.0) - 0.2).abs() < 0.01);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[must_use]
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Reconstruct {
+    base: Option<Vec3>,
+    side: Option<f32>,
+    gap: f32,
+    tip: f32,
+    most_points: usize,
+    has_ground: bool,
+}
+
+impl Default for Reconstruct {
+    /// The base found, ground set aside, sides by the tree's height, gaps up to 0.5 m, tips of 1.5 mm radius, up to 20 million
+    /// points.
+    fn default() -> Self {
+        Self { base: None, side: None, gap: 0.5, tip: 0.0015, most_points: 20_000_000, has_ground: true }
+    }
+}
+
+/// A reconstructed tree.
+#[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
+pub struct Reconstruction {
+    /// The tree, where the cloud's points are. Its root is the base of the trunk.
+    pub skeleton: Skeleton,
+    /// What was taken off the cloud's coordinates in its file.
+    pub offset: DVec3,
+    /// For each node whether a cylinder was found for its points. Its radius is that, unless it is off what limbs around it have; all
+    /// others follow from what their limb bears.
+    pub is_measured: Vec<bool>,
+    /// Points set aside as ground.
+    pub ground: usize,
+    /// Points that nothing of the tree was made of: too far from the rest, or too few together.
+    pub left_out: usize,
+    /// The side of the cubes, metres, after it was widened to keep memory bounded.
+    pub side: f32,
+}
+
+/// Why there is no tree.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum ReconstructError {
+    /// An option out of its range.
+    #[error(transparent)]
+    Parameter(#[from] ParameterError),
+    /// Too few points, or all in one place.
+    #[error(
+        "the cloud has {points} points in {nodes} places, ground set aside, but a tree needs 10 places at least"
+    )]
+    TooFew {
+        /// Points that are not ground.
+        points: usize,
+        /// Different places.
+        nodes: usize,
+    },
+    /// More points than are allowed.
+    #[error(
+        "the cloud has {points} points, but may have {most}; Cloud::thinned makes them fewer, Reconstruct::with_most_points allows more"
+    )]
+    TooMany {
+        /// The points.
+        points: usize,
+        /// How many may be.
+        most: usize,
+    },
+    /// No trunk, or several, where the cloud is lowest.
+    #[error(
+        "where the cloud is lowest, up to {high} m, {trunks} things stand apart, the largest at {first} and {second}, but one trunk must; cut the cloud, or say by Reconstruct::with_base which"
+    )]
+    Trunks {
+        /// The upper end of what was looked at, metres.
+        high: f32,
+        /// How many stand there.
+        trunks: usize,
+        /// Where the one of most points stands, metres.
+        first: Vec3,
+        /// Where the next stands, metres.
+        second: Vec3,
+    },
+    /// The limb at the base is thin beside others: the cloud stands on its head, or the trunk is not in it.
+    #[error(
+        "the limb at the base, {base}, has a radius of {radius} m, but others have {thickest} m; turn or cut the cloud, or say by Reconstruct::with_base where the trunk is"
+    )]
+    ThinBase {
+        /// Where the base was found, metres.
+        base: Vec3,
+        /// Its radius, metres.
+        radius: f32,
+        /// The radius that ten rings have at least, metres.
+        thickest: f32,
+    },
+    /// The search failed.
+    #[error(transparent)]
+    Search(#[from] SearchError),
+    /// The graph is none.
+    #[error(transparent)]
+    Graph(#[from] GraphError),
+    /// What came out is no skeleton.
+    #[error(transparent)]
+    Skeleton(#[from] SkeletonError),
+}
+
+/// Nodes at most; the side of cubes grows until they are so few.
+const MOST_NODES: usize = 400_000;
+
+impl Reconstruct {
+    /// The trunk begins at this place, metres; by default where the cloud is lowest.
+    pub fn with_base(mut self, base: Vec3) -> Self {
+        self.base = Some(base);
+        self
+    }
+
+    /// The side of the cubes whose points are one node, metres, 1e-4 to 1; by default a thousandth of the cloud's height, 2 mm to 5
+    /// cm, or more where points are farther apart. Twigs nearer to each other than about three sides are one.
+    pub fn with_side(mut self, metres: f32) -> Self {
+        self.side = Some(metres);
+        self
+    }
+
+    /// The widest gap that a limb may have, metres, 0 to 100; default 0.5. What is farther off is left out.
+    pub fn with_gap(mut self, metres: f32) -> Self {
+        self.gap = metres;
+        self
+    }
+
+    /// The radius of the thinnest twigs, metres, 0 to 1; default 0.0015.
+    pub fn with_tip_radius(mut self, metres: f32) -> Self {
+        self.tip = metres;
+        self
+    }
+
+    /// Points that a cloud may have; default 20 million.
+    pub fn with_most_points(mut self, points: usize) -> Self {
+        self.most_points = points;
+        self
+    }
+
+    /// Whether ground is looked for and set aside; default true.
+    pub fn with_ground(mut self, is_looked_for: bool) -> Self {
+        self.has_ground = is_looked_for;
+        self
+    }
+
+    fn check(&self) -> Result<(), ParameterError> {
+        let base = self.base.unwrap_or_default();
+        ParameterError::unless(base.is_finite(), "Reconstruct.base", base, "finite, metres")?;
+        let side = self.side.unwrap_or(0.01);
+        ParameterError::unless((1e-4..=1.0).contains(&side), "Reconstruct.side", side, "1e-4 to 1 m")?;
+        ParameterError::unless((0.0..=100.0).contains(&self.gap), "Reconstruct.gap", self.gap, "0 to 100 m")?;
+        ParameterError::unless(
+            (0.0..=1.0).contains(&self.tip),
+            "Reconstruct.tip_radius",
+            self.tip,
+            "0 to 1 m",
+        )
+    }
+
+    /// The tree of a cloud.
+    ///
+    /// # Errors
+    /// Options out of range; too few points or too many; no trunk, or several, where the cloud is lowest.
+    pub fn reconstruct(&self, cloud: &Cloud) -> Result<Reconstruction, ReconstructError> {
+        self.check()?;
+        let points = cloud.points();
+        if points.len() > self.most_points {
+            return Err(ReconstructError::TooMany { points: points.len(), most: self.most_points });
+        }
+        let (which, _) = if self.has_ground {
+            ground::without_ground(points)
+        } else {
+            ((0..points.len() as u32).collect(), false)
+        };
+        let height = height(points, &which);
+        let side = self.side.unwrap_or((height / 1000.0).clamp(0.002, 0.05));
+        let mut nodes = Nodes::new(points, &which, side, MOST_NODES);
+        if nodes.len() < 10 {
+            return Err(ReconstructError::TooFew { points: which.len(), nodes: nodes.len() });
+        }
+        nodes.survey();
+        // Cubes smaller than the way from point to point hold no surface together.
+        let wide = nodes.spacing() / 1.2;
+        if self.side.is_none() && wide > 1.25 * nodes.side {
+            nodes = Nodes::new(points, &which, wide.min(0.02 * height), MOST_NODES);
+            nodes.survey();
+        }
+        let edges = net::edges(&nodes);
+        let base = self.find_base(&nodes, &edges)?;
+        let bridges = net::bridges(&nodes, &edges, self.gap);
+        let graph = graph(&nodes, &edges, &bridges, base)?;
+        let mut search = Search::new(&graph);
+        let rule = net::Along { along: &nodes.along };
+        let weight = net::Dear { gap: 3.0 * nodes.side };
+        search.explore(&rule, &weight, 0, &Silent)?;
+        let step = 3.0 * nodes.side;
+        let rings = limbs::rings(&nodes, &search, &edges, base, step);
+        drop(search);
+        self.tree(cloud, &nodes, rings, points.len() - which.len(), step)
+    }
+
+    /// Rings to nodes of a skeleton.
+    fn tree(
+        &self,
+        cloud: &Cloud,
+        nodes: &Nodes,
+        rings: Vec<Ring>,
+        ground: usize,
+        step: f32,
+    ) -> Result<Reconstruction, ReconstructError> {
+        let points = cloud.points();
+        let rings = pruned(rings, step);
+        let heir = heirs(&rings);
+        let fits = radii::fits(points, nodes, &rings, &heir, step);
+        self.check_base(&rings, &heir, &fits)?;
+        let mut positions = Vec::with_capacity(rings.len());
+        for (ring, fit) in rings.iter().zip(&fits) {
+            let center = fit.map_or(ring.center, |fit| {
+                // The place on the axis beside the middle of the ring.
+                fit.center + fit.axis * (ring.center - fit.center).dot(fit.axis)
+            });
+            positions.push(center);
+        }
+        let positions = smooth(&positions, &rings, &heir, &fits);
+        let parents: Vec<Option<u32>> = rings.iter().map(|ring| ring.parent).collect();
+        let skeleton = Skeleton::new(positions, parents)?;
+        let measured: Vec<Option<(f32, f32)>> = fits
+            .iter()
+            .map(|fit| {
+                fit.map(|fit| {
+                    (fit.radius, fit.around * fit.kept * (fit.radius / (fit.spread + 0.001)).min(10.0))
+                })
+            })
+            .collect();
+        let radii = radii::radii(&skeleton, &measured, self.tip);
+        let used: usize =
+            rings.iter().flat_map(|ring| &ring.nodes).map(|&node| nodes.of(node as usize).len()).sum();
+        Ok(Reconstruction {
+            skeleton: skeleton.with_radii(radii)?,
+            offset: cloud.offset(),
+            is_measured: measured.iter().map(Option::is_some).collect(),
+            ground,
+            left_out: points.len() - ground - used,
+            side: nodes.side,
+        })
+    }
+
+    /// Whether the limb at a base that was found is about as thick as any.
+    fn check_base(
+        &self,
+        rings: &[Ring],
+        heir: &[Option<u32>],
+        fits: &[Option<Cylinder>],
+    ) -> Result<(), ReconstructError> {
+        let mut radii: Vec<f32> = fits.iter().flatten().map(|fit| fit.radius).collect();
+        radii.sort_unstable_by(|a, b| b.total_cmp(a));
+        let mut at_base = None;
+        let mut ring = 0_usize;
+        for _ in 0..20 {
+            at_base = at_base.max(fits[ring].map(|fit| fit.radius.to_bits()));
+            let Some(next) = heir[ring] else { break };
+            ring = next as usize;
+        }
+        // Bits of positive numbers are in their order.
+        let (Some(radius), Some(&thickest)) = (at_base.map(f32::from_bits), radii.get(9)) else {
+            return Ok(());
+        };
+        if self.base.is_some() || thickest <= 3.0 * radius {
+            return Ok(());
+        }
+        Err(ReconstructError::ThinBase { base: rings[0].center, radius, thickest })
+    }
+
+    fn find_base(&self, nodes: &Nodes, edges: &[(u32, u32)]) -> Result<Vec3, ReconstructError> {
+        if let Some(base) = self.base {
+            return Ok(base);
+        }
+        // Parts of some size only: what lies alone below the tree is noise.
+        let mut sets = net::Sets::new(nodes.len());
+        for &(a, b) in edges {
+            sets.join(a, b);
+        }
+        let mut sizes = vec![0_usize; nodes.len()];
+        (0..nodes.len() as u32).for_each(|node| sizes[sets.of(node) as usize] += 1);
+        let least = (nodes.len() / 200).clamp(3, 50);
+        let sound: Vec<Vec3> = (0..nodes.len() as u32)
+            .filter(|&node| sizes[sets.of(node) as usize] >= least)
+            .map(|node| nodes.positions[node as usize])
+            .collect();
+        let sound = if sound.len() * 4 > nodes.len() { sound } else { nodes.positions.clone() };
+        let low = sound.iter().map(|place| place.y).fold(f32::INFINITY, f32::min);
+        let top = sound.iter().map(|place| place.y).fold(f32::NEG_INFINITY, f32::max);
+        let high = low + (0.05 * (top - low)).min(0.5).max(4.0 * nodes.side);
+        let trunks = ground::trunks(&sound, low, high);
+        let all: usize = trunks.iter().map(|trunk| trunk.nodes).sum();
+        match trunks[..] {
+            [first, ..] if first.nodes * 10 >= all * 7 => Ok(first.base),
+            [first, second, ..] => {
+                let (first, second) = (first.base, second.base);
+                Err(ReconstructError::Trunks { high, trunks: trunks.len(), first, second })
+            }
+            _ => Err(ReconstructError::TooFew { points: 0, nodes: 0 }),
+        }
+    }
+}
+
+/// From the lowest to the highest point of some, leaving out a thousandth at either end.
+fn height(points: &[Vec3], which: &[u32]) -> f32 {
+    let mut heights: Vec<f32> = which.iter().map(|&point| points[point as usize].y).collect();
+    if heights.is_empty() {
+        return 0.0;
+    }
+    let cut = heights.len() / 1000;
+    let last = heights.len() - 1 - cut;
+    let high = *heights.select_nth_unstable_by(last, f32::total_cmp).1;
+    high - *heights.select_nth_unstable_by(cut, f32::total_cmp).1
+}
+
+/// The nodes and the base, which is the last: linked to all nodes beside it in the lowest part, or to the nearest.
+fn graph(
+    nodes: &Nodes,
+    edges: &[(u32, u32)],
+    bridges: &[(u32, u32)],
+    base: Vec3,
+) -> Result<Graph, GraphError> {
+    let root = nodes.len() as u32;
+    let mut positions = nodes.positions.clone();
+    let nearest = positions.iter().map(|place| place.distance(base)).fold(f32::INFINITY, f32::min);
+    // Where a node lies in the very place of the base.
+    let base = if nearest < 1e-5 { base - Vec3::Y * 0.5 * nodes.side } else { base };
+    // All of the trunk's lowest ring: what lies no higher than a hand, and within what no trunk is wider than.
+    let slab = base.y + 8.0 * nodes.side;
+    let mut flat: Vec<f32> =
+        positions.iter().filter(|p| p.y <= slab).map(|p| p.with_y(base.y).distance(base)).collect();
+    let half = flat.len() / 2;
+    let wide = if flat.is_empty() { 0.0 } else { *flat.select_nth_unstable_by(half, f32::total_cmp).1 };
+    let reach = (2.0 * wide).min(3.0).max(4.0 * nodes.side).max(nearest * 1.01);
+    let mut all: Vec<(u32, u32)> = edges.iter().chain(bridges).copied().collect();
+    for (node, place) in (0_u32..).zip(&positions) {
+        if place.y <= slab.max(base.y + nearest) && place.distance(base) <= reach
+            || place.distance(base) <= nearest
+        {
+            all.push((node, root));
+        }
+    }
+    all.sort_unstable();
+    all.dedup();
+    positions.push(base);
+    let both: Vec<(u32, u32)> = all.iter().flat_map(|&(a, b)| [(a, b), (b, a)]).collect();
+    Graph::new(positions, &both, root)
+}
+
+/// The child of each ring that goes on: the one with most nodes in and behind it.
+fn heirs(rings: &[Ring]) -> Vec<Option<u32>> {
+    let mut heavy: Vec<usize> = rings.iter().map(|ring| ring.nodes.len()).collect();
+    let mut heir: Vec<Option<u32>> = vec![None; rings.len()];
+    for ring in (1..rings.len()).rev() {
+        let parent = rings[ring].parent.unwrap_or(0) as usize;
+        heavy[parent] += heavy[ring];
+        if heir[parent].is_none_or(|other| heavy[ring] >= heavy[other as usize]) {
+            heir[parent] = Some(ring as u32);
+        }
+    }
+    heir
+}
+
+/// Without laterals that hardly leave their limb: noise, bark, and the rims of forks.
+fn pruned(rings: Vec<Ring>, step: f32) -> Vec<Ring> {
+    let count = rings.len();
+    let heir = heirs(&rings);
+    let mut kept = vec![true; count];
+    // How far each ring's farthest tip is.
+    let mut ahead = vec![0.0_f32; count];
+    let mut members: Vec<usize> = rings.iter().map(|ring| ring.nodes.len()).collect();
+    for ring in (1..count).rev() {
+        let parent = rings[ring].parent.unwrap_or(0) as usize;
+        let far = ahead[ring] + rings[ring].center.distance(rings[parent].center);
+        ahead[parent] = ahead[parent].max(far);
+        members[parent] += members[ring];
+    }
+    for ring in 1..count {
+        let parent = rings[ring].parent.unwrap_or(0) as usize;
+        let is_lateral = heir[parent] != Some(ring as u32);
+        let far = ahead[ring] + rings[ring].center.distance(rings[parent].center);
+        let short = far < 1.3 * rings[parent].spread + 2.0 * step || members[ring] < 4;
+        kept[ring] = kept[parent] && !(is_lateral && short);
+    }
+    let mut number = vec![0_u32; count];
+    let mut left = Vec::with_capacity(count);
+    for (ring, own) in rings.into_iter().enumerate() {
+        if kept[ring] {
+            number[ring] = left.len() as u32;
+            left.push(Ring { parent: own.parent.map(|parent| number[parent as usize]), ..own });
+        }
+    }
+    left
+}
+
+/// Each ring without a cylinder halfway to the middle of its neighbours along its limb.
+fn smooth(positions: &[Vec3], rings: &[Ring], heir: &[Option<u32>], fits: &[Option<Cylinder>]) -> Vec<Vec3> {
+    let at = |ring: u32| positions[ring as usize];
+    (0..positions.len())
+        .map(|ring| {
+            let own = positions[ring];
+            let (Some(parent), Some(next)) = (rings[ring].parent, heir[ring]) else { return own };
+            if heir[parent as usize] != Some(ring as u32) {
+                return own;
+            }
+            let share = if fits[ring].is_some() { 0.25 } else { 0.5 };
+            own + ((at(parent) + at(next)) * 0.5 - own) * share
+        })
+        .collect()
+}
