@@ -13,6 +13,10 @@ use glam::{Vec2, Vec3, Vec4};
 use std::f32::consts::{PI, TAU};
 use std::sync::Arc;
 
+/// How much billboards' normals look up, beside their own length.
+const UPWARD: f32 = 0.6;
+/// What is left of their part toward the viewer.
+const FACING: f32 = 0.35;
 /// Points along each side of a baked pixel.
 const SAMPLES: usize = 3;
 
@@ -107,7 +111,11 @@ impl Impostor {
         let skins = skins(parts);
         let drawn = drawn(parts, &skins);
         let pictures = parallel::map(views.len(), |i| {
-            draw(&drawn, views[i], side, side, SAMPLES).finish(|sample| sample.color)
+            let mut baked = draw(&drawn, views[i], side, side, SAMPLES).finish(|sample| sample.color);
+            if i < self.planes as usize {
+                baked.pixels.iter_mut().for_each(|pixel| pixel.normal = upright(pixel.normal));
+            }
+            baked
         });
         let mut mesh = Mesh::default();
         for (number, view) in views.iter().enumerate() {
@@ -252,6 +260,16 @@ impl Impostor {
             radius,
         })
     }
+}
+
+/// The normal that a billboard shows where the tree has this one, in the frame of its view. A billboard stands in the middle of the
+/// crown: there normals lie in its plane, or look up. Were it to show those of the side from which it was baked, one that is seen
+/// edge-on would be as dark or light as no other beside it.
+fn upright(normal: Vec3) -> Vec3 {
+    if normal == Vec3::ZERO {
+        return normal;
+    }
+    Vec3::new(normal.x, normal.y + UPWARD, FACING * normal.z).normalize_or(Vec3::Y)
 }
 
 /// The view of one cell of the octahedral atlas.
