@@ -117,23 +117,7 @@ impl Impostor {
             }
             baked
         });
-        let mut mesh = Mesh::default();
-        for (number, view) in views.iter().enumerate() {
-            let first = mesh.positions.len() as u32;
-            let ([u, v], [wide, high]) = grid.inner(number);
-            // Each side has triangles and a frame of its own. Were they the same, renderers would turn the normals about as a whole
-            // for the back, and light from the left would come from the right: where billboards cross there would be a seam.
-            for side in [1.0, -1.0] {
-                for (sx, sy) in [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)] {
-                    mesh.positions
-                        .push(view.center + view.right * (view.half.x * sx) + view.up * (view.half.y * sy));
-                    mesh.normals.push(view.toward * side);
-                    mesh.tangents.push(Vec4::from((view.right, side)));
-                    mesh.uvs.push(Vec2::new(u + wide * (0.5 + 0.5 * sx), v + high * (0.5 - 0.5 * sy)));
-                }
-            }
-            mesh.indices.extend([0, 1, 2, 0, 2, 3, 4, 6, 5, 4, 7, 6].map(|corner| first + corner));
-        }
+        let mesh = sides(&views, grid);
         let texel = 2.0 * across.max(0.5 * size.y) / side as f32;
         // It is used well below the size at which a texel is a pixel.
         let frame = Frame::of(parts, (side / 4).clamp(16, 128))?;
@@ -260,6 +244,28 @@ impl Impostor {
             radius,
         })
     }
+}
+
+/// Two triangles on each side of each picture, worn from the cells of a grid.
+fn sides(views: &[View], grid: Grid) -> Mesh {
+    let mut mesh = Mesh::default();
+    for (number, view) in views.iter().enumerate() {
+        let first = mesh.positions.len() as u32;
+        let ([u, v], [wide, high]) = grid.inner(number);
+        // Each side has triangles and a frame of its own. Were they the same, renderers would turn the normals about as a whole
+        // for the back, and light from the left would come from the right: where billboards cross there would be a seam.
+        for side in [1.0, -1.0] {
+            for (sx, sy) in [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)] {
+                mesh.positions
+                    .push(view.center + view.right * (view.half.x * sx) + view.up * (view.half.y * sy));
+                mesh.normals.push(view.toward * side);
+                mesh.tangents.push(Vec4::from((view.right, side)));
+                mesh.uvs.push(Vec2::new(u + wide * (0.5 + 0.5 * sx), v + high * (0.5 - 0.5 * sy)));
+            }
+        }
+        mesh.indices.extend([0, 1, 2, 0, 2, 3, 4, 6, 5, 4, 7, 6].map(|corner| first + corner));
+    }
+    mesh
 }
 
 /// The normal that a billboard shows where the tree has this one, in the frame of its view. A billboard stands in the middle of the

@@ -57,7 +57,9 @@ impl Specimen {
         shares: &[f32],
     ) -> Result<Vec<Asset>, AssetError> {
         let mut levels = self.grown(triangles, side, shares)?;
-        levels.iter_mut().for_each(|level| level.bark_mut().wind = Vec::new());
+        for level in &mut levels {
+            level.bark_mut().wind = Vec::new();
+        }
         Ok(levels)
     }
 
