@@ -63,7 +63,8 @@ pub(super) fn textures(
         let (left, top) = (number % columns * cell, number / columns * cell);
         for (i, pixel) in filled.iter().enumerate() {
             let at = (top + i / cell) * width + left + i % cell;
-            let behind = ((top + i / cell) / 2 * wide + (left + i % cell) / 2) * 3;
+            let (row, column) = (top + i / cell, left + i % cell);
+            let behind = (row / 2 * wide + column / 2) * 3;
             let through = through(pixel.layers);
             for channel in 0..3 {
                 let tone = pixel.color[channel] * gain[channel];

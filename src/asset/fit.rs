@@ -57,7 +57,8 @@ impl Look {
         for tally in &each {
             sum.add(tally);
         }
-        let area = f64::from(frame.pixel()).powi(2) / times as f64;
+        let side = f64::from(frame.pixel());
+        let area = side * side / times as f64;
         Self { frame, cover: sum.cover * area, color: sum.color() }
     }
 

@@ -13,6 +13,10 @@ use glam::{Vec2, Vec3, Vec4};
 use std::f32::consts::{PI, TAU};
 use std::sync::Arc;
 
+/// How much billboards' normals look up, beside their own length.
+const UPWARD: f32 = 0.6;
+/// What is left of their part toward the viewer.
+const FACING: f32 = 0.35;
 /// Points along each side of a baked pixel.
 const SAMPLES: usize = 3;
 
@@ -110,25 +114,13 @@ impl Impostor {
         let skins = skins(parts);
         let drawn = drawn(parts, &skins);
         let pictures = parallel::map(views.len(), |i| {
-            draw(&drawn, views[i], side, side, SAMPLES).finish(|sample| sample.color)
-        });
-        let mut mesh = Mesh::default();
-        for (number, view) in views.iter().enumerate() {
-            let first = mesh.positions.len() as u32;
-            let ([u, v], [wide, high]) = grid.inner(number);
-            // Each side has triangles and a frame of its own. Were they the same, renderers would turn the normals about as a whole
-            // for the back, and light from the left would come from the right: where billboards cross there would be a seam.
-            for side in [1.0, -1.0] {
-                for (sx, sy) in [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)] {
-                    mesh.positions
-                        .push(view.center + view.right * (view.half.x * sx) + view.up * (view.half.y * sy));
-                    mesh.normals.push(view.toward * side);
-                    mesh.tangents.push(Vec4::from((view.right, side)));
-                    mesh.uvs.push(Vec2::new(u + wide * (0.5 + 0.5 * sx), v + high * (0.5 - 0.5 * sy)));
-                }
+            let mut baked = draw(&drawn, views[i], side, side, SAMPLES).finish(|sample| sample.color);
+            if i < self.planes as usize {
+                baked.pixels.iter_mut().for_each(|pixel| pixel.normal = upright(pixel.normal));
             }
-            mesh.indices.extend([0, 1, 2, 0, 2, 3, 4, 6, 5, 4, 7, 6].map(|corner| first + corner));
-        }
+            baked
+        });
+        let mesh = sides(&views, grid);
         let texel = 2.0 * across.max(0.5 * size.y) / side as f32;
         // It is used well below the size at which a texel is a pixel.
         let frame = Frame::of(parts, (side / 4).clamp(16, 128))?;
@@ -263,6 +255,38 @@ impl Impostor {
             radius,
         })
     }
+}
+
+/// Two triangles on each side of each picture, worn from the cells of a grid.
+fn sides(views: &[View], grid: Grid) -> Mesh {
+    let mut mesh = Mesh::default();
+    for (number, view) in views.iter().enumerate() {
+        let first = mesh.positions.len() as u32;
+        let ([u, v], [wide, high]) = grid.inner(number);
+        // Each side has triangles and a frame of its own. Were they the same, renderers would turn the normals about as a whole
+        // for the back, and light from the left would come from the right: where billboards cross there would be a seam.
+        for side in [1.0, -1.0] {
+            for (sx, sy) in [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)] {
+                mesh.positions
+                    .push(view.center + view.right * (view.half.x * sx) + view.up * (view.half.y * sy));
+                mesh.normals.push(view.toward * side);
+                mesh.tangents.push(Vec4::from((view.right, side)));
+                mesh.uvs.push(Vec2::new(u + wide * (0.5 + 0.5 * sx), v + high * (0.5 - 0.5 * sy)));
+            }
+        }
+        mesh.indices.extend([0, 1, 2, 0, 2, 3, 4, 6, 5, 4, 7, 6].map(|corner| first + corner));
+    }
+    mesh
+}
+
+/// The normal that a billboard shows where the tree has this one, in the frame of its view. A billboard stands in the middle of the
+/// crown: there normals lie in its plane, or look up. Were it to show those of the side from which it was baked, one that is seen
+/// edge-on would be as dark or light as no other beside it.
+fn upright(normal: Vec3) -> Vec3 {
+    if normal == Vec3::ZERO {
+        return normal;
+    }
+    Vec3::new(normal.x, normal.y + UPWARD, FACING * normal.z).normalize_or(Vec3::Y)
 }
 
 /// The view of one cell of the octahedral atlas.

@@ -98,9 +98,13 @@ fn pieces(mesh: &Mesh) -> Vec<usize> {
     for corners in mesh.triangles() {
         let ends = corners.map(|corner| least(&mut pieces, corner as usize));
         let first = ends.into_iter().min().unwrap_or(0);
-        ends.into_iter().for_each(|end| pieces[end] = first);
+        for end in ends {
+            pieces[end] = first;
+        }
     }
-    (0..pieces.len()).for_each(|vertex| pieces[vertex] = least(&mut pieces, vertex));
+    for vertex in 0..pieces.len() {
+        pieces[vertex] = least(&mut pieces, vertex);
+    }
     pieces
 }
 

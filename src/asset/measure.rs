@@ -217,7 +217,8 @@ impl Frame {
 
     /// Small pictures are drawn several times, for they have few points.
     pub(super) fn times(&self) -> usize {
-        (LARGE / self.pixels()).powi(2).clamp(1.0, TIMES) as usize
+        let smaller = LARGE / self.pixels();
+        (smaller * smaller).clamp(1.0, TIMES) as usize
     }
 
     /// The view of such a time: moved by a part of a pixel, evenly spread (Roberts 2018, "The Unreasonable Effectiveness of

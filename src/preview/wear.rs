@@ -356,8 +356,8 @@ mod tests {
     fn alpha_is_the_fourth_channel() {
         let (image, tables) = (checks(16), Tables::new());
         let map = Map::new(&image, true, Some(0.5));
-        for i in 0..500_i16 {
-            let uv = Vec2::new(f32::from(i * 37 % 400) / 97.0 - 2.0, f32::from(i * 91 % 300) / 61.0 - 3.0);
+        for i in 0..500_u32 {
+            let uv = Vec2::new((i * 37 % 400) as f32 / 97.0 - 2.0, (i * 91 % 300) as f32 / 61.0 - 3.0);
             for level in 0..=map.smaller.len() {
                 assert!((map.bilinear(level, uv, &tables).w - map.alpha(level, uv)).abs() < 1e-6);
             }

@@ -64,7 +64,9 @@ impl Specimen {
         shares: &[f32],
     ) -> Result<Vec<Asset>, AssetError> {
         let mut levels = self.grown(triangles, side, shares)?;
-        levels.iter_mut().for_each(|level| level.barks_mut().for_each(|mesh| mesh.wind = Vec::new()));
+        for mesh in levels.iter_mut().flat_map(Asset::barks_mut) {
+            mesh.wind = Vec::new();
+        }
         Ok(levels)
     }
 

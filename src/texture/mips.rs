@@ -27,8 +27,9 @@ pub fn alpha_coverage(image: &Image, cutoff: f32, scale: f32) -> f32 {
 /// The image in ever smaller sizes, each half as wide and high as the one before, down to 1 x 1; itself first. For colours
 /// in sRGB: they are averaged as light.
 ///
-/// With a cutoff the alpha of each size is scaled so that the [covered share](alpha_coverage) stays that of the image
-/// (Castaño 2010, "Computing Alpha Mipmaps"); it could not be kept where less than a pixel would be left. O(pixels).
+/// With a cutoff the alpha of each size is scaled so that the share that is shown stays that of the image (Castaño 2010, "Computing
+/// Alpha Mipmaps"): on 16 points a pixel, between four pixels each, as renderers see it. It cannot be kept where less than a
+/// pixel would be left. O(pixels).
 pub fn mips(image: &Image, cutoff: Option<f32>) -> Vec<Image> {
     let linear: Vec<f32> = (0..256).map(|tone| math::linear(tone as f32 / 255.0)).collect();
     let tones = Tones::new();
@@ -190,11 +191,12 @@ mod tests {
         for discs in [5, 20, 80, 200] {
             let image = leafy(128, discs);
             for cutoff in [0.3, 0.5, 0.7] {
-                let wanted = alpha_coverage(&image, cutoff, 1.0);
+                let share = |image: &Image| shown(&alphas(image), image.width(), image.height(), cutoff);
+                let wanted = share(&image);
                 for small in mips(&image, Some(cutoff)) {
                     let pixels = (small.width() * small.height()) as f32;
-                    let off = (alpha_coverage(&small, cutoff, 1.0) - wanted).abs();
-                    // Half a pixel is as near as it gets; equal alphas go together.
+                    let off = (share(&small) - wanted).abs();
+                    // Half a pixel is as near as it gets; alpha is in 256 steps.
                     assert!(
                         off <= 0.01 + 1.0 / pixels,
                         "{discs} discs, {cutoff}: {off} off at {pixels} pixels"
