@@ -104,7 +104,8 @@ fn tables_are_read_one_by_one_up_to_the_most() {
     let text = |count: usize| format!("name = \"x\"\n{}", table.repeat(count));
     let read = Species::parse(&text(Organ::MOST)).expect("as many as there may be");
     assert_eq!(read.organs.len(), Organ::MOST);
-    assert!(read.organs.iter().all(|organ| organ.size == 0.5 && organ.share == Organ::default().share));
+    let expected = Organ { size: 0.5, ..Organ::default() };
+    assert!(read.organs.iter().all(|organ| *organ == expected));
     let error = Species::parse(&text(Organ::MOST + 1)).expect_err("one too many");
     assert_eq!(error.to_string(), "line 18: organs: there are 9 of them, but at most 8");
 }
@@ -235,8 +236,9 @@ fn the_dead_fall_to_pieces_year_by_year() -> Result<(), Box<dyn Error>> {
         let mut before = alive.skeleton.len();
         let volume = |tree: &Specimen| -> f32 {
             let (places, radii) = (tree.skeleton.positions(), tree.skeleton.radii());
-            let of =
-                |(node, parent): (usize, usize)| places[node].distance(places[parent]) * radii[node].powi(2);
+            let of = |(node, parent): (usize, usize)| {
+                places[node].distance(places[parent]) * radii[node] * radii[node]
+            };
             tree.skeleton.edges().map(of).sum()
         };
         for years in [0.5, 3.0, 10.0, 30.0, 80.0] {
