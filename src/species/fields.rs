@@ -83,7 +83,7 @@ impl Species {
         fields.numbers("trunk", &mut bark.trunk, COLOR);
         fields.numbers("limbs", &mut bark.limbs, COLOR);
         fields.numbers("twigs", &mut bark.twigs, COLOR);
-        fields.tables("organs", &mut self.organs, Organ::MOST, |organ, fields| organ.fields(fields));
+        fields.tables("organs", &mut self.organs, Organ::MOST, Organ::fields);
     }
 }
 

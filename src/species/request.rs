@@ -103,7 +103,7 @@ impl<'a> Request<'a> {
     }
 
     /// The diameter of the trunk 1.3 m above the base, metres; met within 1%. Of several stems the thickest has it; a trunk
-    /// that divides lower has it where it divides. The tree is at least 1.6 m tall then.
+    /// that divides or ends lower has it there. The tree is at least 1.6 m tall then.
     pub fn with_dbh(mut self, metres: f32) -> Self {
         self.dbh = Some(metres);
         self
