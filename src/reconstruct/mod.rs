@@ -149,7 +149,7 @@ pub enum ReconstructError {
 }
 
 /// Nodes at most; the side of cubes grows until they are so few.
-const MOST_NODES: usize = 400_000;
+const MOST_NODES: usize = 600_000;
 
 impl Reconstruct {
     /// The trunk begins at this place, metres; by default where the cloud is lowest.
