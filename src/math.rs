@@ -148,7 +148,7 @@ impl Rotation {
 /// Carries `normal`, perpendicular to the unit tangent `from`, to the unit tangent `to` by the smallest
 /// rotation between them (parallel transport), so that a frame along a curve does not twist.
 ///
-/// Where the tangents are opposite the rotation is undefined and the normal is kept.
+/// For opposite tangents the rotation is undefined and the normal is kept.
 #[inline]
 pub fn parallel_transport(from: Vec3, to: Vec3, normal: Vec3) -> Vec3 {
     let cos = from.dot(to);

@@ -28,11 +28,11 @@ pub trait Observer: Sync {
     fn report(&self, progress: Progress) -> ControlFlow<()>;
 }
 
-/// How far some work is.
+/// Progress of some work.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub struct Progress {
-    /// What is being done.
+    /// Work in progress.
     pub work: Work,
     /// How much of that is done, in [0, 1]. Each kind of work ends with exactly 1.
     pub fraction: f32,

@@ -35,13 +35,13 @@ pub(crate) fn each_mut<I, T>(items: &mut [I], f: impl Fn(usize, &mut I) -> T) ->
     items.iter_mut().enumerate().map(|(i, item)| f(i, item)).collect()
 }
 
-/// What both give, made at once if there are threads for it.
+/// Results of both, made at once if there are threads for it.
 #[cfg(feature = "parallel")]
 pub(crate) fn join<A: Send, B: Send>(a: impl FnOnce() -> A + Send, b: impl FnOnce() -> B + Send) -> (A, B) {
     rayon::join(a, b)
 }
 
-/// What both give.
+/// Sum of both.
 #[cfg(not(feature = "parallel"))]
 pub(crate) fn join<A, B>(a: impl FnOnce() -> A, b: impl FnOnce() -> B) -> (A, B) {
     (a(), b())

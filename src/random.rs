@@ -6,16 +6,16 @@
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;
 
-/// What a stream is for. Two purposes never share numbers, even with equal seed, stage and index.
+/// Use of a stream of random numbers. Two purposes never share numbers, even with equal seed, stage and index.
 ///
 /// Values from [`Purpose::CUSTOM`] up are yours: `Purpose(Purpose::CUSTOM.0 + 1)`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct Purpose(pub u32);
 
 impl Purpose {
-    /// Where the nodes of a graph lie.
+    /// Positions of the nodes of a graph.
     pub const NODES: Self = Self(1);
-    /// Which nodes become endpoints.
+    /// Policy that chooses endpoints.
     pub const ENDPOINTS: Self = Self(2);
     /// Angles drawn for each source node.
     pub const SOURCE_ANGLE: Self = Self(3);
@@ -27,25 +27,25 @@ impl Purpose {
     pub const LATERAL: Self = Self(6);
     /// Seeds of trees: their number and where they fall.
     pub const SEEDS: Self = Self(7);
-    /// How a trunk strays from its line.
+    /// Waywardness of a trunk.
     pub const LEADER: Self = Self(9);
-    /// Where the marker points of space colonization lie.
+    /// Positions of the marker points of space colonization.
     pub const MARKERS: Self = Self(8);
-    /// What distinguishes a leaf from its neighbours, and which leaves fall.
+    /// Differences between neighbouring leaves, and which leaves fall.
     pub const LEAVES: Self = Self(16);
-    /// Where the nodes of a guidance shape lie.
+    /// Positions of the nodes of a guidance shape.
     pub const SHAPE_NODES: Self = Self(40);
     /// How the first branches of an axis are turned about it.
     pub const AZIMUTH: Self = Self(41);
-    /// How a tree that grows by positional information differs from the next: directions, lifespans, falling leaves.
+    /// Random differences between trees that grow by positional information: directions, lifespans, falling leaves.
     pub const GROWTH: Self = Self(48);
-    /// Where the points and gradients of a bark texture lie.
+    /// Lattice points and gradients of a bark texture.
     pub const BARK: Self = Self(72);
     /// Where snow, moss and lichen lie in patches.
     pub const COVER: Self = Self(73);
     /// Which twigs stand for others as cards, and how one leaf's image differs from the next.
     pub const CARDS: Self = Self(49);
-    /// What distinguishes trees of one species, and the branches of each.
+    /// Differences between trees of one species, and between the branches of each.
     pub const SPECIES: Self = Self(64);
     /// The noise of a simulated scanner.
     pub const SCAN: Self = Self(80);

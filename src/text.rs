@@ -75,7 +75,7 @@ impl<R: BufRead> Lines<R> {
     }
 }
 
-/// What some editors begin UTF-8 with.
+/// Byte-order mark with which some editors begin UTF-8.
 pub(crate) const BYTE_ORDER_MARK: &[u8] = b"\xEF\xBB\xBF";
 
 /// The words of a line; NUL counts as white space.
@@ -100,7 +100,7 @@ pub(crate) fn quoted(bytes: &[u8]) -> String {
     format!("{text:?}")
 }
 
-/// What a file is that begins with these bytes, if it is nothing that these readers read.
+/// Kind of a file that begins with these bytes, if these readers cannot read it.
 pub(crate) fn stranger(start: &[u8]) -> Option<&'static str> {
     let word = start.trim_ascii_start();
     let word = &word[..word.len().min(9)];

@@ -30,7 +30,7 @@ pub(crate) fn write(
         let glb = GlbOptions::default()
             .with_name(preset.name)
             .with_coverages(coverages)
-            .with_quantization(!options.floats)
+            .with_quantization(options.quantize)
             .with_levels(if options.named { LevelNodes::Named } else { LevelNodes::Extension });
         match format {
             "glb" => export::write_glb_levels(levels, &glb, writer)?,

@@ -27,8 +27,8 @@ cargo run --release --example tree -- [OPTIONS]
   --lod-names     levels as nodes named NAME_LOD0 and so on, not by MSFT_lod
   --textures N    side of the bark's images, pixels: a power of two, 128 to
                   8192, or none                                [512]
-  --floats        32-bit floats in the .glb, core glTF; otherwise vertices are
-                  rounded, for readers that know KHR_mesh_quantization
+  --quantize      vertices of the .glb are rounded: a third smaller, for
+                  readers that know KHR_mesh_quantization
   --wind          vertices move in the wind: attributes, see docs/wind.md
   --format LIST   of glb, nodes.glb (leaves as nodes, for what knows no
                   instances), obj, ply, stl, svg, png, json, relaxed.json
@@ -61,7 +61,7 @@ pub(crate) struct Options {
     pub(crate) levels: u32,
     pub(crate) named: bool,
     pub(crate) textures: Option<u32>,
-    pub(crate) floats: bool,
+    pub(crate) quantize: bool,
     pub(crate) wind: bool,
     pub(crate) formats: Vec<String>,
     pub(crate) up: UpAxis,
@@ -85,7 +85,7 @@ impl Options {
             levels: 3,
             named: false,
             textures: Some(512),
-            floats: false,
+            quantize: false,
             wind: false,
             formats: ["glb", "png", "json"].map(String::from).to_vec(),
             up: UpAxis::Y,
@@ -121,7 +121,7 @@ impl Options {
                     asked.push("--levels");
                 }
                 Long("lod-names") => options.named = true,
-                Long("floats") => options.floats = true,
+                Long("quantize") => options.quantize = true,
                 Long("textures") => {
                     options.textures = or_none(&text(&mut arguments, "--textures")?, "--textures", |text| {
                         text.parse()

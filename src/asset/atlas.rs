@@ -8,7 +8,7 @@ use glam::Vec3;
 pub(super) const PADDING: usize = 4;
 /// How much of the light one leaf lets through, and so on: of what comes from behind, by layers.
 const THROUGH: f32 = 0.45;
-/// By what light that passes a leaf is coloured, beside the light that it reflects: yellower, brighter.
+/// Colour of the light that passes a leaf, beside that of the light it reflects: yellower, brighter.
 const GLOW: [f32; 3] = [1.35, 1.5, 0.7];
 /// Pixels with less cover are holes.
 pub(super) const CUTOFF: f32 = 0.5;

@@ -7,13 +7,13 @@ use crate::surface::{Instance, Mesh};
 use glam::{Mat3, Vec2, Vec3};
 use std::borrow::Cow;
 
-/// Where is looked from: along -`toward`, which is `right` x `up`; all three of length 1.
+/// Axes of the view: it looks along -`toward`, which is `right` x `up`; all three of length 1.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct View {
     pub(super) right: Vec3,
     pub(super) up: Vec3,
     pub(super) toward: Vec3,
-    /// What lies in the middle of the picture.
+    /// Point in the middle of the picture.
     pub(super) center: Vec3,
     /// Half of the picture's width and height, metres.
     pub(super) half: Vec2,
@@ -35,7 +35,7 @@ impl View {
     }
 }
 
-/// What is drawn: copies of a mesh of one colour.
+/// Copies of a mesh of one colour, to be drawn.
 #[derive(Debug, Clone)]
 pub(super) struct Drawn<'a> {
     pub(super) mesh: &'a Mesh,
@@ -43,7 +43,7 @@ pub(super) struct Drawn<'a> {
     pub(super) color: [f32; 3],
     pub(super) double_sided: bool,
     pub(super) skin: Option<&'a Skin>,
-    /// How many leaves one triangle is as opaque as.
+    /// Number of leaves that one triangle is as opaque as.
     pub(super) layers: f32,
 }
 
@@ -91,7 +91,7 @@ impl Baked {
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct Pixel {
     pub(super) color: [f32; 3],
-    /// How much of the pixel is covered, 0 to 1.
+    /// Covered share of the pixel, 0 to 1.
     pub(super) cover: f32,
     /// Of length 1, in the view's frame; zero where there is nothing.
     pub(super) normal: Vec3,

@@ -74,7 +74,7 @@ impl Default for AssetBuilder {
 }
 
 impl AssetBuilder {
-    /// How the bark looks; default [`Material::bark`].
+    /// Material of the bark; default [`Material::bark`].
     pub fn with_bark(mut self, material: Material) -> Self {
         self.bark = material;
         self
@@ -127,7 +127,7 @@ impl AssetBuilder {
         self
     }
 
-    /// How the bark is made: collars, root flare, squares of bark, wind. Within a budget its sides and turn do not matter.
+    /// Tubes of the bark: collars, root flare, squares of bark, wind. Within a budget its sides and turn do not matter.
     pub fn with_tubes(mut self, tubes: Tubes) -> Self {
         self.tubes = tubes;
         self
@@ -152,7 +152,7 @@ impl AssetBuilder {
         self
     }
 
-    /// How many kinds of cards there are at the most, 1 to 16; default 8.
+    /// Greatest number of kinds of cards, 1 to 16; default 8.
     pub fn with_kinds(mut self, kinds: u32) -> Self {
         self.kinds = kinds;
         self

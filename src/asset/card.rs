@@ -16,7 +16,7 @@ const SAMPLES: usize = 4;
 /// As opaque as so many leaves is wood.
 const WOOD: f32 = 4.0;
 
-/// What the tree has that cards may show.
+/// Leaves of the tree that cards may show.
 pub(super) struct Source<'a> {
     pub(super) skeleton: &'a Skeleton,
     pub(super) dresses: &'a [Dress],
@@ -33,7 +33,7 @@ pub(super) struct Source<'a> {
 pub(super) struct Kind {
     /// In the frame of the model's cluster, from its base.
     pub(super) mesh: Mesh,
-    /// Where the middle of its leaves is, from its base.
+    /// Middle of its leaves, from its base.
     middle: Vec3,
     area: f32,
     /// One a quad.
@@ -135,7 +135,7 @@ impl Source<'_> {
         Kind { mesh, middle: origin, area: cluster.area, pictures }
     }
 
-    /// Where a card springs.
+    /// Base of a card.
     fn base(&self, cluster: &Cluster) -> Vec3 {
         self.skeleton.positions()[self.skeleton.parent(cluster.root as usize).unwrap_or(0)]
     }
@@ -171,7 +171,7 @@ impl Source<'_> {
     }
 }
 
-/// Where the card of a kind stands for a cluster, `larger` than it.
+/// Transform of the card of a kind for a cluster, `larger` than it.
 pub(super) fn instance(cluster: &Cluster, kind: &Kind, larger: f32) -> Instance {
     let scale = (cluster.area / kind.area.max(f32::MIN_POSITIVE)).sqrt() * larger;
     let scale = scale.clamp(1e-20, 1e20);

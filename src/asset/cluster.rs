@@ -6,7 +6,7 @@ use crate::random::{self, Purpose};
 use crate::surface::Instance;
 use glam::{Mat3, Vec3};
 
-/// What is known of one leaf of the tree.
+/// State of one leaf of the tree.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Leaf {
     /// The number of its [`Dress`](super::leaf::Dress).
@@ -14,7 +14,7 @@ pub(super) struct Leaf {
     pub(super) copy: Instance,
     /// The middle of its mesh, metres.
     pub(super) middle: Vec3,
-    /// Of its triangles, square metres.
+    /// Area of its triangles, square metres.
     pub(super) area: f32,
 }
 
@@ -122,7 +122,7 @@ pub(super) struct Cluster {
     pub(super) area: f32,
     /// X across, Y from the base outward, Z to the upper side, in which it is flattest.
     pub(super) frame: Mat3,
-    /// How far leaves reach along these, standard deviations, metres.
+    /// Extent of the leaves along these, standard deviations, metres.
     pub(super) spread: Vec3,
     /// The mean of the leaves' tints by area.
     pub(super) tint: [f32; 3],

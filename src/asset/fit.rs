@@ -18,11 +18,11 @@ const POINTS: usize = measure::SAMPLES;
 /// Directions from which they are measured: turned about the vertical, lifted.
 const VIEWS: [(f32, f32); 4] =
     [(0.2, 0.1), (0.2 + 0.25 * TAU, 0.1), (0.2 + 0.5 * TAU, 0.1), (0.2 + 0.75 * TAU, 0.1)];
-/// By how much cards may be smaller or larger than the twigs they stand for.
+/// Range of a card's size relative to the twigs it stands for.
 const LARGER: (f32, f32) = (0.6, 1.8);
 /// By how much their alpha may be multiplied if that is not enough.
 pub(super) const THICKER: (f32, f32) = (0.2, 4.0);
-/// By how much the colours of cards may be changed.
+/// Range of the factor on the colours of cards.
 const GAIN: (f32, f32) = (0.6, 1.6);
 /// Cover that is no more off than this is right.
 const NEAR: f64 = 0.004;

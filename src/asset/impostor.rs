@@ -314,7 +314,7 @@ pub struct Octahedral {
     pub grid: u32,
     /// Empty pixels at each side of a view.
     pub margin: u32,
-    /// What lies in the middle of every view, metres.
+    /// Point in the middle of every view, metres.
     pub center: Vec3,
     /// Half of what a view is wide and high, metres.
     pub radius: f32,

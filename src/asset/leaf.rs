@@ -270,7 +270,7 @@ fn relief(pixels: &mut [Pixel], side: usize) {
     }
 }
 
-/// What leaves of an asset look like: a mesh, a material and its images.
+/// Look of an asset's leaves: a mesh, a material and its images.
 #[derive(Debug, Clone)]
 pub(super) struct Dress {
     pub(super) mesh: Mesh,

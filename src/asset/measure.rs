@@ -1,4 +1,4 @@
-//! How alike two models of a tree look.
+//! Likeness of two models of a tree.
 
 use super::AssetError;
 use super::bake::{Baked, Drawn, Raster, Sample, View};
@@ -17,13 +17,13 @@ pub(super) const SAMPLES: usize = 2;
 const LARGE: f32 = 120.0;
 /// As often at the most.
 const TIMES: f32 = 9.0;
-/// Where the light comes from, seen by the viewer.
+/// Direction of the light, as the viewer sees it.
 const LIGHT: Vec3 = Vec3::new(0.36, 0.73, 0.58);
 /// Light from everywhere, and from there.
 const AMBIENT: f32 = 0.35;
 const DIRECT: f32 = 0.65;
 
-/// How much a model differs from another, on the average over views from all around.
+/// Difference of a model from another, as a mean over views from all around.
 ///
 /// Both are drawn at the same size, without perspective or shadows, in the same light.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -124,7 +124,7 @@ pub(super) fn skins(parts: &[Part<'_>]) -> Vec<Option<Skin>> {
     skins
 }
 
-/// What is drawn of each part. Parts that share textures share the first one's skin.
+/// Look of each part. Parts that share textures share the first one's skin.
 pub(super) fn drawn<'a>(parts: &[Part<'a>], skins: &'a [Option<Skin>]) -> Vec<Drawn<'a>> {
     let skin = |i: usize| {
         let worn = worn(&parts[i])?;
@@ -175,7 +175,7 @@ pub(super) fn bounds(parts: &[Part<'_>]) -> Option<Bounds> {
     (!bounds.is_empty() && bounds.size().is_finite()).then_some(bounds)
 }
 
-/// How far anything is from a point, metres.
+/// Distance of the nearest thing from a point, metres.
 pub(super) fn reach(parts: &[Part<'_>], from: Vec3) -> f32 {
     points(parts).map(|point| point.distance_squared(from)).fold(0.0, f32::max).sqrt()
 }
@@ -245,7 +245,7 @@ impl Frame {
     }
 }
 
-/// How much is covered, and in what colours.
+/// Covered share, and its colours.
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct Tally {
     pub(super) cover: f64,

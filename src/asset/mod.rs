@@ -53,7 +53,7 @@ pub enum AssetError {
     TooFewTriangles {
         /// The triangles allowed.
         triangles: usize,
-        /// What is needed at the least.
+        /// Least number needed.
         least: usize,
     },
     /// There is no triangle to be seen.
@@ -139,12 +139,12 @@ impl Asset {
         bark.chain(&mut self.coats).map(|piece| &mut piece.mesh)
     }
 
-    /// How many leaves are shown as they are.
+    /// Number of leaves that are shown as they are.
     pub fn leaves(&self) -> usize {
         self.leaves.iter().map(|piece| piece.instances.len()).sum()
     }
 
-    /// How many cards there are.
+    /// Number of cards.
     pub fn cards(&self) -> usize {
         self.cards.iter().map(|piece| piece.instances.len()).sum()
     }

@@ -15,7 +15,7 @@ pub(super) struct Skin {
     linear: Vec<f32>,
 }
 
-/// What a skin shows at a point.
+/// Look of a skin at a point.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Texel {
     pub(super) color: [f32; 3],
@@ -65,7 +65,7 @@ impl Skin {
 }
 
 impl SkinOn<'_> {
-    /// What is at the point with these barycentric coordinates; nothing where there is a hole.
+    /// Surface at the point with these barycentric coordinates; nothing in a hole.
     #[inline]
     pub(super) fn at(&self, u: f32, v: f32, w: f32) -> Option<Texel> {
         let uv = self.uvs[0] * u + self.uvs[1] * v + self.uvs[2] * w;

@@ -10,7 +10,7 @@ use super::{Cloud, CloudError, Frame};
 use crate::ply::{Fault, Header, Kind, Values};
 use crate::text::{Lines, number, quoted, stranger};
 
-/// How a PLY file has its numbers.
+/// Encoding of a PLY file's numbers.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 #[non_exhaustive]
 pub enum PlyEncoding {

@@ -47,7 +47,7 @@ pub enum CloudError {
     Position {
         /// The point, from 0.
         point: usize,
-        /// Where it is, metres.
+        /// Position, metres.
         position: Vec3,
     },
     /// A file that cannot be read.

@@ -27,7 +27,7 @@ impl ImageFile<'_> {
     }
 }
 
-/// What an image says of a surface.
+/// Property of a surface that an image gives.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub(super) enum Map {
     Color,
@@ -58,11 +58,11 @@ impl Map {
     }
 }
 
-/// Which part wears which image.
+/// Image of each part.
 #[derive(Debug)]
 pub(super) struct Uses<'a> {
     images: Pool<'a, Image>,
-    /// By part and map: the image and its name.
+    /// Indexed by part and map: the image and its name.
     names: BTreeMap<(usize, Map), String>,
     files: Vec<(String, Map, &'a Image)>,
 }

@@ -33,7 +33,7 @@ pub enum ReadError {
         line: usize,
         /// The column at which reading stopped.
         column: usize,
-        /// What is wrong there.
+        /// Fault there.
         reason: String,
     },
 }

@@ -78,9 +78,9 @@ pub enum ExportError {
     /// More of something than the format can count.
     #[error("there are {count} {what}, but the format counts at most {}", u32::MAX)]
     TooMany {
-        /// What there is too much of.
+        /// Name of the quantity that is over its limit.
         what: &'static str,
-        /// How much there is.
+        /// Amount.
         count: u64,
     },
 }

@@ -116,7 +116,7 @@ pub fn write_mtl(parts: &[Part<'_>], writer: impl Write) -> Result<(), ExportErr
     Ok(())
 }
 
-/// What MTL has a word for.
+/// Properties that MTL has a word for.
 const MAPS: &[Map] = &[Map::Color, Map::Normal, Map::Roughness];
 
 /// The images that the file of [`write_mtl`] names, each once, to be written beside it. Roughness is a grey image of its own.

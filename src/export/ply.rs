@@ -5,7 +5,7 @@ use crate::surface::Part;
 use glam::Vec3;
 use std::io::{self, Write};
 
-/// How a PLY file has its numbers.
+/// Encoding of a PLY file's numbers.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 #[non_exhaustive]
 pub enum PlyFormat {

@@ -15,7 +15,7 @@ pub(super) struct Pool<'a, T: ?Sized> {
 /// Sizes and a few numbers: what differs in these differs.
 type Gist = [u32; 8];
 
-/// What can be told apart by a glance, and then by all that it holds.
+/// Key that is compared by a few bytes first, and then in full.
 pub(super) trait Content: PartialEq {
     fn gist(&self) -> Gist;
 }

@@ -6,7 +6,7 @@ use crate::{ParameterError, Skeleton, math};
 use glam::{Vec2, Vec3};
 use std::io::{self, Write};
 
-/// How a skeleton is drawn.
+/// Style in which a skeleton is drawn.
 #[must_use]
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
@@ -41,7 +41,7 @@ impl SvgOptions {
         self
     }
 
-    /// Where it is seen from, radians about the up axis: 0 is +Z, π/2 is +X; default 0.
+    /// Direction from which it is seen, radians about the up axis: 0 is +Z, π/2 is +X; default 0.
     pub fn with_azimuth(mut self, azimuth: f32) -> Self {
         self.azimuth = azimuth;
         self

@@ -17,7 +17,7 @@ use stage::Layer;
 use std::collections::BTreeSet;
 use std::io::{self, Write};
 
-/// What a file of USD has in it: parts, or several lists of them to choose from, or trees in their places.
+/// Contents of a USD file: parts, or several lists of them to choose from, or trees in their places.
 ///
 /// ```
 /// use treesynth::export::{UsdStage, write_usda};
@@ -91,7 +91,7 @@ impl<'a> UsdStage<'a> {
         self
     }
 
-    /// Which axis points up (`upAxis`), the unit (`metersPerUnit`), and the origin; default +Y, metres, zero.
+    /// Up axis (`upAxis`), unit (`metersPerUnit`) and origin; default +Y, metres, zero.
     pub fn with_axes(mut self, axes: Axes) -> Self {
         self.axes = axes;
         self

@@ -5,7 +5,7 @@ use crate::surface::Part;
 #[cfg(feature = "texture")]
 pub(super) use crate::texture::{Image, Textures};
 
-/// What a part wears.
+/// Images of a part.
 #[cfg(feature = "texture")]
 pub(super) fn textures<'a>(part: &Part<'a>) -> Option<&'a Textures> {
     part.textures()

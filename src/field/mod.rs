@@ -77,7 +77,7 @@ pub trait VectorField: Send + Sync {
     /// The vector at `point` (metres): always finite, zero where the field is undefined.
     fn at(&self, point: Vec3) -> Vec3;
 
-    /// Whether the parameters make sense.
+    /// Checks that the parameters make sense.
     ///
     /// # Errors
     /// The first parameter out of its range, named `Type.field`.

@@ -1,4 +1,4 @@
-//! How leaves stand about a twig.
+//! Arrangement of leaves about a twig.
 
 use crate::ParameterError;
 use std::f32::consts::{PI, TAU};

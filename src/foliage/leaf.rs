@@ -130,7 +130,7 @@ impl Leaf {
         self
     }
 
-    /// How it looks; default [`Material::leaf`].
+    /// Material; default [`Material::leaf`].
     pub fn with_material(mut self, material: Material) -> Self {
         self.material = material;
         self
@@ -141,7 +141,7 @@ impl Leaf {
         &self.mesh
     }
 
-    /// How it looks.
+    /// Material.
     pub fn material(&self) -> Material {
         self.material
     }

@@ -70,9 +70,9 @@ pub enum FoliageError {
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
 pub struct Leaves {
-    /// What each of them looks like.
+    /// Look of each of them.
     pub leaf: Leaf,
-    /// Where they are: branch by branch, on each from its tip backwards.
+    /// Their places: branch by branch, on each from its tip backwards.
     pub instances: Vec<Instance>,
 }
 
@@ -165,7 +165,7 @@ impl Foliage {
         }
     }
 
-    /// How leaves stand about the twig; default [`Arrangement::Alternate`].
+    /// Arrangement of leaves about the twig; default [`Arrangement::Alternate`].
     pub fn with_arrangement(mut self, arrangement: Arrangement) -> Self {
         self.arrangement = arrangement;
         self
@@ -178,7 +178,7 @@ impl Foliage {
         self
     }
 
-    /// By how much the leaf's mesh is enlarged, positive; the leaves built in are 1 long, so that this is their length
+    /// Factor by which the leaf's mesh is enlarged, positive; the built-in leaves are 1 long, so that this is their length
     /// in metres. Default 0.07; a mesh of your own in metres wants 1.
     pub fn with_size(mut self, size: f32) -> Self {
         self.size = size;
@@ -199,7 +199,7 @@ impl Foliage {
         self
     }
 
-    /// By which part a leaf may be larger or smaller than its place says, 0 to 0.9, evenly distributed; default 0.2.
+    /// Greatest random deviation of a leaf's size, as a share of it, 0 to 0.9, evenly distributed; default 0.2.
     pub fn with_size_variation(mut self, part: f32) -> Self {
         self.size_variation = part;
         self
@@ -231,7 +231,7 @@ impl Foliage {
         self
     }
 
-    /// Where the light comes from that blades turn to; any length but zero; default up.
+    /// Direction of the light that blades turn to; any length but zero; default up.
     pub fn with_light(mut self, towards: Vec3) -> Self {
         self.light = towards;
         self
@@ -244,7 +244,7 @@ impl Foliage {
         self
     }
 
-    /// By up to how much azimuth, angle and turn of a leaf are off, radians, 0 to 1; default 0.25.
+    /// Greatest random deviation of azimuth, angle and turn of a leaf, radians, 0 to 1; default 0.25.
     pub fn with_disorder(mut self, angle: f32) -> Self {
         self.disorder = angle;
         self
@@ -258,7 +258,7 @@ impl Foliage {
         self
     }
 
-    /// By how much the colour of a leaf may be darker than the others', 0 to 0.9: its [tint](Instance::tint) has a
+    /// Greatest random darkening of a leaf's colour, 0 to 0.9: its [tint](Instance::tint) has a
     /// brightness from 1 less this to 1, evenly distributed, and up to a third of this less of red or of blue. Default 0: all
     /// alike; 0.25 looks natural.
     pub fn with_tint_variation(mut self, spread: f32) -> Self {
@@ -266,7 +266,7 @@ impl Foliage {
         self
     }
 
-    /// How the leaf looks, in another season for example.
+    /// Material of the leaf, in another season for example.
     pub fn with_material(mut self, material: Material) -> Self {
         self.leaf = self.leaf.with_material(material);
         self

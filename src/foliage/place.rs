@@ -8,7 +8,7 @@ use crate::surface::Instance;
 use glam::{Mat3, Quat, Vec3};
 use std::f32::consts::TAU;
 
-/// What a random number of a leaf decides; the stages of its streams.
+/// Uses of a leaf's random numbers; the stages of its streams.
 #[derive(Debug, Clone, Copy)]
 enum Draw {
     Kept,
@@ -66,7 +66,7 @@ struct Twig<'a> {
     farthest: &'a [f32],
     nodes: &'a [u32],
     number: u32,
-    /// How far leaves reach from the tip, metres along the branch.
+    /// Length of branch that bears leaves, from its tip, metres.
     leafy: f32,
     size: f32,
 }
@@ -120,7 +120,7 @@ impl<'a> Twig<'a> {
         }
     }
 
-    /// How far leaves reach down an internode from its upper end, if they reach that; metres.
+    /// Length of an internode that bears leaves, from its upper end; metres.
     fn room(&self, internode: &Internode) -> Option<f32> {
         let near = self.foliage.reach - internode.farthest;
         let [below, above] = internode.radii;

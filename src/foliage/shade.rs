@@ -1,4 +1,4 @@
-//! How dark leaves are within the crown.
+//! Shade of leaves within the crown.
 
 use super::Leaves;
 use crate::ParameterError;
@@ -10,7 +10,7 @@ use glam::{IVec3, Vec3};
 const CELLS: f32 = 24.0;
 /// The share of their area that leaves turned every way show to a ray.
 const SHOWN: f32 = 0.5;
-/// What comes from straight below, in what comes from straight above.
+/// Light from straight below, as a share of that from straight above.
 const FROM_BELOW: f32 = 0.25;
 
 impl Leaves {

@@ -8,7 +8,7 @@ use std::f32::consts::TAU;
 /// A blade: pairs of points on either side of a midrib.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Blade<'a> {
-    /// Where the midrib starts.
+    /// Start of the midrib.
     pub(super) foot: Vec3,
     /// The midrib, as long as the blade.
     pub(super) along: Vec3,
@@ -18,7 +18,7 @@ pub(super) struct Blade<'a> {
     pub(super) profile: &'a [(f32, f32)],
     /// Sine of the angle by which either half is lifted off the plane.
     pub(super) fold: f32,
-    /// How far the tip hangs, in lengths of the blade.
+    /// Droop of the tip, in lengths of the blade.
     pub(super) curl: f32,
 }
 

@@ -5,10 +5,10 @@ use crate::math::{self, sin_cos};
 use crate::surface::{Air, Instance, Mesh, SurfaceError, Sway, Wind};
 use glam::{Quat, Vec3};
 
-/// How far a leaf flutters, in the distance from where it is attached.
+/// Flutter of a leaf, as a share of the distance from its attachment.
 const FLUTTER: f32 = 0.25;
 
-/// How a leaf moves in the wind: where it is attached as its twig does there, and the whole leaf turns with the twig.
+/// Motion of a leaf in the wind: at its attachment it moves as its twig does there, and the whole leaf turns with the twig.
 ///
 /// 80 bytes. A shader moves the leaf by what [`wind`](Self::wind) says, turns it by the sum of
 /// `cross(axis, F)·angle` of the three [levels](Wind), and has it flutter by a quarter of the distance from where it is
@@ -18,12 +18,12 @@ const FLUTTER: f32 = 0.25;
 pub struct LeafWind {
     /// Of the place where the leaf is attached.
     pub wind: Wind,
-    /// By how much trunk, limb and twig turn there, radians at the strongest gust.
+    /// Angles by which trunk, limb and twig turn there, radians at the strongest gust.
     pub angles: [f32; 3],
 }
 
 impl Leaves {
-    /// How each instance moves in the wind. O(leaves).
+    /// Motion of each instance in the wind. O(leaves).
     ///
     /// # Panics
     /// When a leaf's node is not in the skeleton of the sway.

@@ -97,7 +97,7 @@ pub enum FormatError {
     /// More than one tree where one is wanted.
     #[error("the file has {trees} trees, but one is wanted; Trees::trees has them all")]
     Several {
-        /// How many there are.
+        /// Number present.
         trees: usize,
     },
     /// What the file says is no skeleton.

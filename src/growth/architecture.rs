@@ -148,20 +148,20 @@ impl Architecture {
         self
     }
 
-    /// By how much directions stray, 0 to 1: the breadth of a random walk from shoot to shoot along each branch. The
+    /// Random deviation of directions, 0 to 1: the breadth of a random walk from shoot to shoot along each branch. The
     /// trunk strays a third as far.
     pub fn with_variation(mut self, breadth: f32) -> Self {
         self.variation = breadth;
         self
     }
 
-    /// By which part of its scale and its lifespan a branch may fall short, 0 to 0.9.
+    /// Greatest share by which a branch's scale and lifespan fall short, 0 to 0.9.
     pub fn with_scale_variation(mut self, part: f32) -> Self {
         self.scale_variation = part;
         self
     }
 
-    /// How far branches turn up or, if negative, down, the more the nearer to their tips: the weight of up at the tip
+    /// Turn of branches upwards or, if negative, downwards, the more the nearer to their tips: the weight of up at the tip
     /// beside that of the heading, -4 to 4. The headings of the curves turn them towards the bearing branch instead, which
     /// for twigs is not the light.
     pub fn with_tropism(mut self, share: f32) -> Self {
@@ -237,7 +237,7 @@ impl Architecture {
         self
     }
 
-    /// What happens over a year.
+    /// Events over a year.
     pub fn with_phenology(mut self, phenology: Phenology) -> Self {
         self.phenology = phenology;
         self
@@ -248,7 +248,7 @@ impl Architecture {
         self.years
     }
 
-    /// What happens over a year.
+    /// Events over a year.
     pub fn phenology(&self) -> &Phenology {
         &self.phenology
     }

@@ -12,7 +12,7 @@ use glam::Vec3;
 const KEPT: f32 = 0.7;
 /// The trunk strays less than branches.
 const TRUNK: f32 = 1.0 / 3.0;
-/// What is left at a branch's tip of how far it leans from its twin.
+/// Share of its lean from its twin that a branch keeps at its tip.
 const RIGHTED: f32 = 0.3;
 /// Leaves turn their colour in so many groups, so many parts of a year apart.
 const TONES: u32 = 5;
@@ -50,9 +50,9 @@ pub struct Leaf {
     pub node: u32,
     /// Its foot, on the bark, metres.
     pub position: Vec3,
-    /// Where its midrib leads; of length 1.
+    /// Direction of its midrib; of length 1.
     pub midrib: Vec3,
-    /// Where its upper side looks, at right angles to the midrib; of length 1.
+    /// Direction of its upper side, at right angles to the midrib; of length 1.
     pub normal: Vec3,
     /// Its length, metres.
     pub length: f32,
@@ -68,13 +68,13 @@ pub struct Bud {
     pub node: u32,
     /// Its foot, metres.
     pub position: Vec3,
-    /// Where it points; of length 1.
+    /// Its direction; of length 1.
     pub direction: Vec3,
     /// Its length, metres.
     pub length: f32,
 }
 
-/// Where and how a branch begins.
+/// Place and direction in which a branch begins.
 #[derive(Debug, Clone, Copy)]
 struct Base {
     /// The node of the skeleton that bears it.
@@ -116,11 +116,11 @@ struct Layout<'a> {
     age: f32,
     /// The year at hand, from 1; 0 for a seed.
     year: u16,
-    /// Which part of it is over, 0 to 1.
+    /// Share of it that is over, 0 to 1.
     time: f32,
-    /// How far its season is, 0 to 1.
+    /// Progress of its season, 0 to 1.
     progress: f32,
-    /// By the number of metamers.
+    /// Indexed by the number of metamers.
     unfolded: Vec<Option<Unfolded>>,
     /// For each branch the pipes through its base; see [`Structure::pipes`](super::structure::Structure::pipes).
     pipes: Vec<f64>,
@@ -286,7 +286,7 @@ impl<'a> Layout<'a> {
         }
     }
 
-    /// How much of a shoot of so many metamers has unfolded.
+    /// Unfolded share of a shoot with this number of metamers.
     fn unfolded(&mut self, metamers: u32) -> &mut Unfolded {
         let number = metamers as usize;
         if self.unfolded.len() <= number {
@@ -404,9 +404,9 @@ struct Path<'a> {
     length: f32,
     /// `s_θ` of equation 8.
     share: f32,
-    /// Where laterals begin to count about the branch, radians.
+    /// Angle about the branch from which laterals count, radians.
     turn: f64,
-    /// How far it strays inwards and aside before and after the shoot at hand.
+    /// Random turn inwards and aside before and after the shoot at hand.
     strays: [[f32; 2]; 2],
     /// How far from the base it forks, metres, and where its twin goes there, at right angles to it.
     forks: Vec<(f32, Vec3)>,

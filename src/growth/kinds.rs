@@ -5,7 +5,7 @@ use super::{Architecture, Curve, Phenology};
 use crate::math;
 use std::f32::consts::FRAC_PI_2;
 
-/// How much leaves turn to the light.
+/// Turn of leaves to the light.
 pub(super) const LIGHT_TURN: f32 = 1.5;
 
 /// The golden angle, as the paper rounds it.

@@ -57,7 +57,7 @@ pub enum GrowthError {
         /// The most there may be.
         limit: u32,
     },
-    /// What has grown is no skeleton.
+    /// The grown nodes make no skeleton.
     #[error("the tree: {0}")]
     Skeleton(#[from] SkeletonError),
 }

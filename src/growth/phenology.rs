@@ -58,7 +58,7 @@ impl Phenology {
         self
     }
 
-    /// How many years a leaf stays, 1 (deciduous) to 50; it falls in the last of them.
+    /// Years that a leaf stays, 1 (deciduous) to 50; it falls in the last of them.
     pub fn with_leaf_years(mut self, years: u16) -> Self {
         self.leaf_years = years;
         self
@@ -70,7 +70,7 @@ impl Phenology {
         self
     }
 
-    /// By which part of the season the metamers of a shoot start one after the other, 0 to 0.95: metamer k of m by k / m of it.
+    /// Share of the season over which the metamers of a shoot start one after the other, 0 to 0.95: metamer k of m starts after k / m of it.
     pub fn with_stagger(mut self, part: f32) -> Self {
         self.stagger = part;
         self
@@ -177,7 +177,7 @@ impl Phenology {
         before.map(|point| point[1]).fold(self.leaf_share.at(time), f32::min)
     }
 
-    /// How far the season is at this part of the year, 0 to 1.
+    /// Progress of the season at this part of the year, 0 to 1.
     pub(super) fn progress(&self, year: f32) -> f32 {
         let [start, end] = self.season;
         ((year - start) / (end - start)).clamp(0.0, 1.0)

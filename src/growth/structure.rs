@@ -11,7 +11,7 @@ use crate::random::{Purpose, unit};
 /// The least angle between the longest laterals of successive shoots, radians: the paper's 40°.
 pub(super) const LEAST_ANGLE: f32 = 0.698_131_7;
 
-/// What a random number of a branch decides; the stages of its streams.
+/// Uses of a branch's random numbers; the stages of its streams.
 #[derive(Debug, Clone, Copy)]
 pub(super) enum Draw {
     Azimuth = 0,
@@ -25,7 +25,7 @@ pub(super) enum Draw {
     Fork = 8,
 }
 
-/// How far the two of a fork lean away from what bears them, each, radians.
+/// Angle of each of a fork's two to their parent branch, radians.
 pub(super) const FORK_ANGLE: f32 = 0.4;
 
 /// The years that any dead branch stands at least, and those beyond that one of a metre stands on average; they go with the
@@ -41,7 +41,7 @@ pub(super) struct Axis {
     pub(super) parent: u32,
     /// The metamer of that branch at whose upper end it springs.
     pub(super) bearer: u32,
-    /// Which of the whorl at that metamer it is, from 0.
+    /// Number within the whorl at that metamer, from 0.
     pub(super) place: u16,
     /// Whether it is half of a fork: as long as its parent branch beyond it, which leans the other way.
     pub(super) is_twin: bool,
@@ -59,7 +59,7 @@ pub(super) struct Axis {
     pub(super) scale: f32,
     /// Between it and the bearing branch, radians.
     pub(super) angle: f32,
-    /// Where its years begin in the arrays of [`Structure`].
+    /// Index of its years in the arrays of [`Structure`].
     pub(super) start: u32,
 }
 
@@ -169,7 +169,7 @@ struct Builder<'a> {
     nodes: u32,
     /// For each number of metamers which two of them bear the longest laterals.
     longest: Vec<Option<[u32; 2]>>,
-    /// What the silhouette wants of a branch in each year from the one at hand on.
+    /// Length that the silhouette asks of a branch in each year from the one at hand on.
     wanted: Vec<f32>,
 }
 
@@ -417,7 +417,7 @@ impl<'a> Builder<'a> {
         wanted
     }
 
-    /// Which of so many metamers bear the longest and the second longest lateral: those of the greatest `G_ss`.
+    /// The metamers that bear the longest and the second longest lateral: those of the greatest `G_ss`.
     fn longest(&mut self, metamers: u32) -> [u32; 2] {
         let known = metamers as usize;
         if self.longest.len() <= known {

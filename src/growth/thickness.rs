@@ -1,4 +1,4 @@
-//! How thick wood is: the pipe model, with rings that stay.
+//! Thickness of wood: the pipe model, with rings that stay.
 
 use super::architecture::Architecture;
 

@@ -41,7 +41,7 @@ impl Context<'_> {
         }
     }
 
-    /// Where the root is of the tree that a node is on.
+    /// Root of the tree that a node is on.
     pub(super) fn root(&self, source: u32) -> Vec3 {
         match *self {
             Self::Search(search) => {

@@ -99,7 +99,7 @@ impl Fork {
 /// Positions, parents, stages, hops and least radii of trees that share a graph, one after the other in any order.
 pub(super) struct Parts<'a> {
     pub(super) positions: Vec<Vec3>,
-    /// By place; a root's is none.
+    /// Indexed by place; a root's is none.
     pub(super) parents: Vec<Option<u32>>,
     pub(super) stages: Vec<u16>,
     pub(super) hops: Vec<u32>,

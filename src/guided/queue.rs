@@ -97,7 +97,7 @@ impl Buckets {
 pub(super) struct Queue {
     /// The opened bucket, the least cost last.
     opened: Vec<Entry>,
-    /// What came later, but would belong into a bucket that has been opened.
+    /// Entries that came later, but belong into a bucket that has been opened.
     late: BinaryHeap<Entry>,
     buckets: Buckets,
     /// The first bucket that has not been opened.
@@ -108,7 +108,7 @@ pub(super) struct Queue {
     base: f32,
     /// Buckets a unit of cost.
     scale: f32,
-    /// What lies behind all buckets.
+    /// Entries behind all buckets.
     far: Vec<Entry>,
 }
 
@@ -163,7 +163,7 @@ impl Queue {
         Some((entry.cost(), entry.node(), place))
     }
 
-    /// What is left of the bucket that is open, the least cost last.
+    /// Rest of the open bucket, the least cost last.
     #[inline]
     pub(super) fn opened(&self) -> &[Entry] {
         &self.opened

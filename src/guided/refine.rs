@@ -195,7 +195,7 @@ fn other(error: impl std::fmt::Display) -> GraphError {
     GraphError::Other(error.to_string())
 }
 
-/// What of a region lies near some nodes, to the precision of voxels.
+/// Part of a region that lies near some nodes, to the precision of voxels.
 struct Reach<'a> {
     region: &'a dyn Shape,
     origin: Vec3,

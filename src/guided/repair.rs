@@ -66,7 +66,7 @@ fn is_same(a: Vec3, b: Vec3) -> bool {
     a.to_array().map(f32::to_bits) == b.to_array().map(f32::to_bits)
 }
 
-/// What rules and weights have asked for in a stage: what they gave hangs on it.
+/// Quantities that rules and weights have asked for in a stage; their results depend on them.
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct Asked {
     forks: bool,
@@ -273,7 +273,7 @@ impl Repair<'_, '_> {
         self.is_clear &= self.anew <= self.graph.nodes() / 3;
     }
 
-    /// What hangs on opened nodes and changed sources loses its way too.
+    /// Nodes that hang on opened nodes and changed sources lose their way too.
     fn open_hanging(&mut self) {
         while self.is_clear
             && let Some(node) = self.stack.pop()

@@ -13,7 +13,7 @@ const REPORT_EVERY: usize = 1 << 14;
 /// Edges whose weights are asked for together.
 const STAR: usize = 8;
 
-/// What a search runs with.
+/// Parameters of a search.
 pub(super) struct Terms<'a> {
     pub(super) rule: &'a dyn GuidingRule,
     pub(super) weight: &'a dyn WeightFn,
@@ -157,7 +157,7 @@ impl Search<'_> {
         }
     }
 
-    /// What a node off the tree leaves to those after it; its way is final.
+    /// State that a node off the tree passes on; its way is final.
     #[inline]
     pub(super) fn guide(&self, graph: &Graph, node: u32, terms: &Terms<'_>) -> Result<Guide, SearchError> {
         let position = graph.position(node);
@@ -274,7 +274,7 @@ impl Search<'_> {
     }
 }
 
-/// What a node leaves to those after it, the ends of its edges, and their weights.
+/// State that a node passes on, the ends of its edges, and their weights.
 type WorkedOut<'a> = (Guide, &'a [(u32, Vec3)], &'a [f32]);
 
 /// Nodes of the open bucket that are worked out ahead, together.
@@ -293,7 +293,7 @@ struct Ahead {
     guides: Vec<Guide>,
     ends: Vec<(u32, Vec3)>,
     weights: Vec<f32>,
-    /// Where the edges of each node begin, and where the last one's end.
+    /// Index of each node's first edge, and the end.
     starts: Vec<usize>,
 }
 

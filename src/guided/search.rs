@@ -27,7 +27,7 @@ pub struct Search<'g> {
     pub(super) costs: Vec<f32>,
     /// The node before each on that way.
     pub(super) parents: Vec<u32>,
-    /// What a settled node leaves to those after it.
+    /// State that a settled node passes on.
     pub(super) guides: Vec<Guide>,
     /// Index in `tree`, or `NONE`.
     pub(super) place: Vec<u32>,
@@ -74,7 +74,7 @@ impl Deref for Ground<'_> {
     }
 }
 
-/// What is known of a settled node.
+/// State of a settled node.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Guide {
     pub(super) vector: Vec3,
@@ -89,7 +89,7 @@ pub(super) struct Guide {
 pub(super) const NO_VECTOR: Vec3 = Vec3::NAN;
 pub(super) const NO_GUIDE: Guide = Guide { vector: NO_VECTOR, hops: 0, length: 0.0, source: NONE };
 
-/// What a rule or a weight did that no search can go on with.
+/// Fault of a rule or a weight with which no search can go on.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum SearchError {
@@ -102,7 +102,7 @@ pub enum SearchError {
         stage: usize,
         /// The node.
         node: u32,
-        /// What the rule returned.
+        /// Vector that the rule returned.
         vector: Vec3,
     },
     /// The weight of an edge is NaN or negative.
@@ -112,11 +112,11 @@ pub enum SearchError {
     Weight {
         /// The stage, from 0.
         stage: usize,
-        /// Where the edge starts.
+        /// First node of the edge.
         from: u32,
-        /// Where it ends.
+        /// Last node of the edge.
         to: u32,
-        /// What the function returned.
+        /// Weight that the function returned.
         weight: f32,
     },
     /// An endpoint that is not a node of the graph.

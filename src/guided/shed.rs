@@ -56,7 +56,7 @@ impl Shedding {
         self
     }
 
-    /// Whether the options are in range.
+    /// Checks that the options are in range.
     ///
     /// # Errors
     /// The first that is not.
@@ -87,7 +87,7 @@ impl Shedding {
         Ok((standing, kept))
     }
 
-    /// Which nodes stay, if something falls.
+    /// Nodes that stay, if something falls.
     fn round(self, tree: &Skeleton) -> Option<Vec<bool>> {
         let children = tree.children();
         let mut tips = vec![0u32; tree.len()];

@@ -193,7 +193,7 @@ pub enum SynthesisError {
     Endpoints {
         /// The stage, from 0.
         stage: usize,
-        /// What the policy said.
+        /// Error of the policy.
         #[source]
         error: EndpointError,
     },

@@ -31,7 +31,7 @@ pub fn tortuosities(skeleton: &Skeleton) -> Vec<Option<f64>> {
     skeleton.branches().iter().map(|branch| of(branch.nodes())).collect()
 }
 
-/// What is measured on one branch; see [`measure_branches`].
+/// Measures of one branch; see [`measure_branches`].
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize))]
 #[non_exhaustive]
@@ -40,7 +40,7 @@ pub struct BranchMeasure {
     pub node: usize,
     /// 0 for the trunk.
     pub order: u16,
-    /// How high above the base of the trunk the branch leaves its parent branch, metres.
+    /// Height above the trunk base at which the branch leaves its parent branch, metres.
     pub base_height: f64,
     /// Length along the branch from where it leaves its parent branch, metres.
     pub length: f64,

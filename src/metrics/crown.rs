@@ -1,4 +1,4 @@
-//! How large the crown is, and where it is.
+//! Size and place of the crown.
 
 use super::angle::length;
 use super::hull;
@@ -32,7 +32,7 @@ pub fn crown_base(skeleton: &Skeleton) -> Option<f64> {
     heights.reduce(f64::min)
 }
 
-/// How far the crown reaches from the trunk's base to each side.
+/// Reach of the crown from the trunk's base to each side.
 #[derive(Debug, Clone, PartialEq)]
 pub struct CrownRadii {
     /// The largest horizontal distance of a node from the base of the trunk in each sector, metres, at least 0: the first sector

@@ -62,11 +62,11 @@ pub struct Metrics {
     pub height: f64,
     /// Largest horizontal distance of two nodes, metres; see [`crown_width`].
     pub crown_width: f64,
-    /// Where the crown begins above the base of the trunk, metres; see [`crown_base`].
+    /// Height of the crown's base above the base of the trunk, metres; see [`crown_base`].
     pub crown_base: Option<f64>,
     /// Coefficient of variation of the crown's radii in four directions; see [`CrownRadii`].
     pub crown_variation: f64,
-    /// How far the crown's middle is off the trunk's base, as a share of its mean radius; see [`CrownRadii::offset`], of eight directions.
+    /// Offset of the crown's middle from the trunk's base, as a share of its mean radius; see [`CrownRadii::offset`], of eight directions.
     pub crown_offset: f64,
     /// Ground below the crown, square metres; see [`projected_area`].
     pub projected_area: f64,

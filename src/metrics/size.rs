@@ -1,4 +1,4 @@
-//! How much wood there is, and how far it reaches.
+//! Amount and extent of wood.
 
 use std::f64::consts::PI;
 
@@ -38,7 +38,7 @@ pub(super) fn tip_radii(skeleton: &Skeleton) -> (f64, f64) {
     (mean, if mean > 0.0 { square.sqrt() / mean } else { 0.0 })
 }
 
-/// How far the highest node is above the root, metres; at least 0. O(n).
+/// Height of the highest node above the root, metres; at least 0. O(n).
 pub fn height(skeleton: &Skeleton) -> f64 {
     let positions = skeleton.positions();
     let top = positions.iter().fold(positions[0].y, |top, position| top.max(position.y));

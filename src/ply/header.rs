@@ -5,7 +5,7 @@ use std::io::{self, BufRead};
 use super::{Fault, fault};
 use crate::text::{BYTE_ORDER_MARK, number, quoted, stranger, words};
 
-/// How numbers stand in the file.
+/// Encoding of numbers in the file.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Encoding {
     Text,

@@ -43,7 +43,7 @@ impl<R: BufRead> Values<R> {
         format!("{} {at}", if self.encoding == Encoding::Text { "line" } else { "byte" })
     }
 
-    /// Where reading is.
+    /// Place of the reader in the file.
     pub(crate) fn place(&self) -> String {
         self.place_of(self.at())
     }

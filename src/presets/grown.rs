@@ -16,7 +16,7 @@ pub struct Grown {
     pub name: &'static str,
     /// The number of the figure; 0 beyond the paper.
     pub figure: u8,
-    /// What it shows.
+    /// One line that says what is seen.
     pub caption: &'static str,
     /// The ages of its pictures, years.
     pub ages: &'static [f32],
@@ -46,7 +46,7 @@ impl Grown {
         Growth::new(self.architecture()?, seed)
     }
 
-    /// What its bark looks like.
+    /// Material of its bark.
     pub fn bark(&self) -> Material {
         self.look.bark()
     }

@@ -19,11 +19,11 @@ pub enum Season {
     Autumn,
 }
 
-/// What a kind of tree wears.
+/// Look of a kind of tree.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Look {
     bark: [u8; 3],
-    /// What the bark does as it ages.
+    /// Behaviour of the bark as it ages.
     #[cfg(feature = "texture")]
     texture: fn() -> Bark,
     summer: [u8; 3],

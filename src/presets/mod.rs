@@ -122,7 +122,7 @@ impl Preset {
         self.volume
     }
 
-    /// What its bark looks like.
+    /// Material of its bark.
     pub fn bark(&self) -> Material {
         self.look.bark()
     }

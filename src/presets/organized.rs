@@ -15,7 +15,7 @@ use glam::Vec3;
 pub struct Stand {
     /// Its name, e.g. `stand-weeping`.
     pub name: &'static str,
-    /// What it shows.
+    /// One line that says what is seen.
     pub caption: &'static str,
     /// The seed of its picture.
     pub seed: u64,
@@ -185,7 +185,7 @@ const STANDS: &[Stand] = &[
     }),
 ];
 
-/// What the tree of `stand-wall` stands beside.
+/// Wall beside the tree of `stand-wall`.
 pub const WALL: Cuboid = Cuboid::new(Vec3::new(-1.0, 0.0, -6.0), Vec3::new(-0.6, 12.0, 6.0));
 
 const fn stand(

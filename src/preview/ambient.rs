@@ -1,4 +1,4 @@
-//! How much of the sky is seen from a place.
+//! Share of the sky that is seen from a place.
 //!
 //! The triangles become a fog in a coarse grid: a body of surface A hides A/4 on average over all directions
 //! (Cauchy), so a cell of volume V that holds it lets `exp(-A/4V · s)` through on a way of length s. The light of a

@@ -8,7 +8,7 @@ use crate::shape::Bounds;
 use glam::Vec3;
 use std::f32::consts::{FRAC_PI_2, PI};
 
-/// How depth shows.
+/// Projection.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(
     feature = "serde",
@@ -71,7 +71,7 @@ impl Camera {
         self
     }
 
-    /// How depth shows; default a perspective of 0.5 rad.
+    /// Projection; default a perspective of 0.5 rad.
     pub fn with_projection(mut self, projection: Projection) -> Self {
         self.projection = projection;
         self
@@ -320,7 +320,7 @@ impl View {
         near + growth * point.distance(self.eye)
     }
 
-    /// What a step of one sample is in nearness.
+    /// Change of nearness by a step of one sample.
     #[inline]
     pub(super) fn step(&self, nearness: f32) -> f32 {
         if self.perspective { nearness / self.scale } else { 1.0 / self.scale }

@@ -407,7 +407,7 @@ impl<'a> Frame<'a> {
         Texel { color, covered, sun: lit, light: sun.light(), point, normal, pixel }
     }
 
-    /// What is seen where there is no tree, times how opaque it is, and that.
+    /// Background where there is no tree, times its opacity, and the opacity.
     fn backdrop(&self, column: usize, row: usize) -> (Glimpse, f32) {
         if !self.preview.transparent {
             return (self.ground_or_sky(column, row), 1.0);
@@ -447,7 +447,7 @@ impl<'a> Frame<'a> {
     }
 }
 
-/// What strips that are drawn one after the other have in common.
+/// State that strips drawn one after the other share.
 struct Group {
     strip: Strip,
     shades: Shades,
@@ -460,11 +460,11 @@ impl Group {
     }
 }
 
-/// What has been worked out once and is asked for again.
+/// Results that are asked for again.
 struct Shades {
     /// The colour of each facet at its middle.
     facets: Vec<Option<Vec3>>,
-    /// What each copy of each part sees.
+    /// View of each copy of each part.
     copies: Vec<Vec<Option<Seen>>>,
 }
 

@@ -16,7 +16,7 @@ const TRANSMITTED: f32 = 0.5;
 /// Light from the ground on a surface that faces down.
 const GROUND: Vec3 = Vec3::new(0.5, 0.47, 0.43);
 
-/// By how much brighter relief may be in the sun than the surface without it.
+/// Greatest factor by which relief is brighter in the sun than the surface without it.
 const STEEPEST: f32 = 5.0;
 /// The part of the light that wood and leaves mirror head-on.
 const MIRRORED: f32 = 0.04;
@@ -38,11 +38,11 @@ pub(super) struct Lit {
     pub(super) sky: Vec3,
     /// From the sun, were no solid in the way.
     pub(super) sun: Vec3,
-    /// What a solid leaves of that.
+    /// Part of it that a solid leaves.
     pub(super) light: Sunlight,
 }
 
-/// What images make of a place of a surface.
+/// Look of a place of a surface by its images.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Surface {
     /// The normal with relief, on the side that is seen.
@@ -60,7 +60,7 @@ pub(super) struct Light<'a> {
     sun: Vec3,
     shadow: ShadowMap,
     ambient: Ambient,
-    /// What casts shadows without triangles.
+    /// Solid that casts shadows without triangles.
     solid: Option<&'a dyn Cast>,
 }
 
@@ -111,7 +111,7 @@ impl<'a> Light<'a> {
         Lit { sky, sun: self.falling(Seen { sun, sky: 0.0 }, normal, thin), light }
     }
 
-    /// What a whole leaf sees, from its middle.
+    /// View of a whole leaf, from its middle.
     pub(super) fn seen(&self, middle: Vec3) -> Seen {
         let mut sun = self.shadow.light(middle, self.sun);
         if let Some(solid) = self.solid.filter(|_| sun > 0.0) {
@@ -182,7 +182,7 @@ impl<'a> Light<'a> {
         MIRRORED * squared / (falloff * falloff * 4.0 * way * way)
     }
 
-    /// What is left of the light on level ground, each channel 0 to 1; that of the sun apart only if there is a solid.
+    /// Light that is left on level ground, each channel 0 to 1; the sun's is kept apart only if there is a solid.
     pub(super) fn on_ground(&self, point: Vec3, beams: Sunbeams) -> Lit {
         let full = SUN * self.sun.y.max(0.0) + SKY;
         let Lit { sky, sun, light } = self.lit(point, Vec3::Y, false, beams);

@@ -89,7 +89,7 @@ impl From<Cancelled> for PreviewError {
     }
 }
 
-/// What is to be seen, and from where.
+/// Objects to be seen, and the place they are seen from.
 struct Stage<'a> {
     parts: Vec<Placed<'a>>,
     bounds: Bounds,
@@ -236,7 +236,7 @@ impl Preview {
         self
     }
 
-    /// How the mesh that [`draw`](Self::draw) is given looks; default [`Material::bark`].
+    /// Material of the mesh that [`draw`](Self::draw) is given; default [`Material::bark`].
     pub fn with_bark(mut self, material: Material) -> Self {
         self.bark = material;
         self
@@ -251,7 +251,7 @@ impl Preview {
     }
 
     /// A picture of bark, leaves and whatever else there is, each as often as it has instances; they shade each other.
-    /// What is double-sided is thin as well: half of the sunlight that falls on its back comes through.
+    /// Double-sided surfaces are thin as well: half of the sunlight that falls on their back comes through.
     ///
     /// [`Textures`](crate::texture::Textures) are drawn whole: the base colour (with holes where its alpha is below the
     /// cutoff, in shadows too), relief by normals, occlusion of the sky, roughness as gloss in the sun, and light from behind

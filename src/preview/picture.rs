@@ -62,7 +62,7 @@ impl Picture {
         &self.pixels
     }
 
-    /// How opaque each pixel is, row by row from the top, 0 to 255; empty if all are.
+    /// Opacity of each pixel, row by row from the top, 0 to 255; empty if all are opaque.
     pub fn alpha(&self) -> &[u8] {
         &self.alpha
     }

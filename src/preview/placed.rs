@@ -9,7 +9,7 @@ use std::sync::Arc;
 
 pub(super) struct Placed<'a> {
     part: Part<'a>,
-    /// Where the copies stand; none if the mesh stands alone as it is.
+    /// Transforms of the copies; none if the mesh stands alone as it is.
     copies: Option<Cow<'a, [Instance]>>,
     /// Copy by copy, each with all vertices of the mesh.
     pub(super) positions: Cow<'a, [Vec3]>,
@@ -139,7 +139,7 @@ impl<'a> Placed<'a> {
         color * (own[0] * weights[0] + own[1] * weights[1] + own[2] * weights[2])
     }
 
-    /// How rough the material itself is.
+    /// Roughness of the material itself.
     pub(super) fn roughness(&self) -> f32 {
         self.part.material().roughness()
     }

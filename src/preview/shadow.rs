@@ -137,7 +137,7 @@ impl ShadowMap {
         }
     }
 
-    /// How much of the sun is seen from a point of a surface, 0 to 1.
+    /// Share of the sun that is seen from a point of a surface, 0 to 1.
     pub(super) fn light(&self, point: Vec3, normal: Vec3) -> f32 {
         let texel = 1.0 / self.scale;
         // Off the surface by its slope to the sun, so that it does not shade itself.

@@ -133,7 +133,7 @@ impl Near {
     }
 }
 
-/// What the bytes of an image stand for, as light and as they are.
+/// Values of an image's bytes, as light and as they are.
 #[derive(Debug)]
 struct Tables {
     linear: Vec<f32>,
@@ -301,7 +301,7 @@ impl Flat {
         Some(self.uvs[0] * weights.x + self.uvs[1] * weights.y + self.uvs[2] * weights.z)
     }
 
-    /// What a pixel of so many samples covers.
+    /// Area that a pixel of some samples covers.
     pub(super) fn footprint(&self, x: f32, y: f32, samples: f32) -> Footprint {
         let middle = Footprint { uv: self.uvs.iter().sum::<Vec2>() / 3.0, ..self.whole() };
         let Some(uv) = self.uv(x, y, true) else { return middle };

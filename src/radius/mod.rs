@@ -1,4 +1,4 @@
-//! How thick a tree is: from the branching alone to a radius for every internode.
+//! Thickness of a tree: from the branching alone to a radius for every internode.
 //!
 //! | model | thickness comes from |
 //! |---|---|

@@ -31,7 +31,7 @@ pub struct PipeModel {
     calibration: Calibration,
 }
 
-/// Which diameter is known, so that the proportions of the pipe model become metres.
+/// Known diameter, by which the proportions of the pipe model become metres.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(
     feature = "serde",
@@ -82,7 +82,7 @@ impl PipeModel {
         self.exponent
     }
 
-    /// Which diameter is known.
+    /// Known diameter.
     pub fn calibration(&self) -> Calibration {
         self.calibration
     }

@@ -65,7 +65,7 @@ impl<M: RadiusModel> Taper<M> {
     }
 }
 
-/// Where a node is on its run.
+/// Position of a node on its run.
 struct Runs {
     /// Way from the run's start to each node, metres.
     arc: Vec<f64>,

@@ -48,7 +48,7 @@ pub struct Variational {
 
 crate::recipe::readable!(Variational { minimum_share: f32 });
 
-/// How much area each tip supports.
+/// Area that each tip supports.
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(
     feature = "serde",
@@ -59,14 +59,14 @@ crate::recipe::readable!(Variational { minimum_share: f32 });
 pub enum Support {
     /// The same for every tip.
     Uniform {
-        /// Of one tip, square metres.
+        /// Area of one tip, square metres.
         area: f32,
     },
     /// Each sample of the crown goes to the tip nearest to it, and with it an equal part of the area.
     Samples {
         /// Points spread evenly in or on the crown, metres.
         positions: Vec<Vec3>,
-        /// Of the whole crown, square metres.
+        /// Area of the whole crown, square metres.
         total_area: f32,
     },
 }
@@ -120,7 +120,7 @@ impl Variational {
         self.exponent
     }
 
-    /// How much area each tip supports.
+    /// Area that each tip supports.
     pub fn support(&self) -> &Support {
         &self.support
     }

@@ -60,7 +60,7 @@ pub struct SpaceColonization {
     free_numbers: Vec<u32>,
     free_starts: Vec<u32>,
     near_free: Vec<bool>,
-    /// What each surveyed bud gets: markers, and the sum of the directions towards them.
+    /// Share of each surveyed bud: markers, and the sum of the directions towards them.
     gains: Vec<(u32, Vec3)>,
 }
 
@@ -73,7 +73,7 @@ impl SpaceColonization {
     }
 }
 
-/// What the user sets.
+/// Options as the user sets them.
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
 struct Options {
@@ -82,7 +82,7 @@ struct Options {
     distance: f32,
     angle: f32,
     light: f32,
-    /// Where growth is confined to; none if the user has brought the markers.
+    /// Region to which growth is confined; none if the user has brought the markers.
     #[cfg_attr(feature = "serde", serde(default))]
     region: Option<Region>,
 }
@@ -93,7 +93,7 @@ struct Grid {
     min: Vec3,
     cell: f32,
     size: IVec3,
-    /// Where each cell's markers begin among `members`, and the end.
+    /// Index of each cell's first marker among `members`, and the end.
     starts: Vec<u32>,
     members: Vec<u32>,
 }
@@ -163,7 +163,7 @@ impl SpaceColonization {
         &self.options.markers
     }
 
-    /// How many markers are free.
+    /// Number of free markers.
     pub fn free(&self) -> usize {
         self.takers.iter().filter(|&&takers| takers == 0).count()
     }

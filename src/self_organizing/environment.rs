@@ -53,7 +53,7 @@ use std::sync::Arc;
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub trait Environment: Send + Sync {
-    /// What a bud gets, in units of the environment's own; a habit's vigor multiplier turns it into vigor.
+    /// Share of a bud, in units of the environment's own; a habit's vigor multiplier turns it into vigor.
     fn light(&self, bud: &Bud<'_>) -> f32;
 
     /// In which direction the bud had better grow.
@@ -122,7 +122,7 @@ pub trait Environment: Send + Sync {
         self.contains(end)
     }
 
-    /// Whether the options are in range.
+    /// Checks that the options are in range.
     ///
     /// # Errors
     /// The first that is not.
@@ -197,12 +197,12 @@ pub struct Bud<'a> {
 }
 
 impl Bud<'_> {
-    /// Where the bud is, metres.
+    /// Position of the bud, metres.
     pub fn position(&self) -> Vec3 {
         self.tree.nodes[self.node as usize].position
     }
 
-    /// Where it points, a unit vector.
+    /// Its direction, a unit vector.
     pub fn direction(&self) -> Vec3 {
         if self.lateral {
             self.tree.lateral_direction(self.node, self.habit, self.seed)

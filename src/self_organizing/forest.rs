@@ -61,7 +61,7 @@ pub struct Forest<E: Environment = ShadowPropagation> {
     pub(super) trees: Vec<Tree>,
     pub(super) seed: u64,
     pub(super) season: u16,
-    /// Which trees are to grow next, in [0, TURNS).
+    /// Turn of the trees that grow next, in [0, TURNS).
     pub(super) turn: u32,
     pub(super) next_tree: u32,
     pub(super) most_metamers: usize,
@@ -99,7 +99,7 @@ pub enum ForestError {
     /// A tree has as many nodes, or the forest as many seasons, as can be numbered.
     #[error("{what} can be numbered up to {most} only")]
     Numbers {
-        /// What there is too much of.
+        /// Name of the quantity that is over its limit.
         what: &'static str,
         /// The highest number.
         most: u32,
@@ -288,7 +288,7 @@ impl<E: Environment> Forest<E> {
         self.grow_observed(1, &Silent)
     }
 
-    /// So many seasons.
+    /// Number of seasons.
     ///
     /// # Errors
     /// As [`step`](Self::step); seasons finished before the error are kept.

@@ -35,10 +35,10 @@ pub(super) struct Grid {
     margin: usize,
     /// Cells from one row to the next.
     stride: usize,
-    /// How many parts a full shadow has.
+    /// Number of parts of a full shadow.
     parts: f32,
     falloff: f32,
-    /// What a row of the pyramid adds, by q, zeros at its end.
+    /// Values that a row of the pyramid adds, by q, zeros at its end.
     powers: Vec<Vec<Group>>,
     /// From the ground up as far as nodes are.
     layers: Vec<Layer>,
@@ -133,7 +133,7 @@ impl Grid {
         true
     }
 
-    /// What casts from `cell`, which is in range.
+    /// Shadow cast from `cell`, which is in range.
     pub(super) fn caster(&self, cell: IVec3, falls: bool) -> Caster {
         Caster { cell: (cell - self.low).to_array().map(|c| c as u16), falls }
     }
@@ -327,7 +327,7 @@ fn widened<T: Copy + Default>(cells: &[T], old: usize, stride: usize, aside: usi
     wide
 }
 
-/// What cells count in.
+/// Unit of the cells' counts.
 trait Sum: Copy + Default + Eq + BitOr<Output = Self> + From<u16> {
     fn plus(self, power: Self) -> Self;
 
@@ -424,7 +424,7 @@ mod tests {
 
     const SIZE: IVec3 = IVec3::new(11, 9, 70);
 
-    /// What the nodes in `cells` add to `at`, one by one.
+    /// Sum of what the nodes in `cells` add to `at`, one by one.
     fn brute_force(grid: &Grid, cells: &[IVec3], at: IVec3) -> u32 {
         let power = |cell: &IVec3| {
             let q = usize::try_from(cell.y - at.y).ok().filter(|&q| q < grid.powers.len())?;

@@ -1,4 +1,4 @@
-//! How a species grows: the parameters of vigor, shoots, shedding and width.
+//! Growth parameters of a species: vigor, shoots, shedding and width.
 
 use super::axis::Axis;
 use super::cut::Regrowth;
@@ -262,12 +262,12 @@ impl Habit {
         self.length
     }
 
-    /// What [`with_shade`](Self::with_shade) has set.
+    /// Value set by [`with_shade`](Self::with_shade).
     pub fn shade(&self) -> Option<f32> {
         self.shade
     }
 
-    /// What [`with_shade_tolerance`](Self::with_shade_tolerance) has set.
+    /// Value set by [`with_shade_tolerance`](Self::with_shade_tolerance).
     pub fn shade_tolerance(&self) -> f32 {
         self.shade_tolerance
     }
@@ -304,7 +304,7 @@ impl Habit {
         self.axes.iter().try_for_each(Axis::check)
     }
 
-    /// What is special about axes of `order`.
+    /// Differences of the axes of `order`.
     #[inline]
     pub(super) fn axis(&self, order: u8) -> Option<&Axis> {
         self.axes.get(usize::from(order)).or(self.axes.last())

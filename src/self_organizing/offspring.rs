@@ -73,7 +73,7 @@ impl Offspring {
         within("Offspring.distance", self.distance, 0.0, 1e4)
     }
 
-    /// How far the seeds of a tree of this vigor reach, metres.
+    /// Reach of the seeds of a tree of this vigor, metres.
     pub fn reach(&self, vigor: f32) -> f32 {
         self.distance * math::ln(vigor.clamp(1.0, f32::MAX))
     }

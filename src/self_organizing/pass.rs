@@ -125,7 +125,7 @@ impl<E: Environment> Forest<E> {
     }
 }
 
-/// What each tree grows in.
+/// Region in which each tree grows.
 fn settings<'a, E>(
     environment: &'a E,
     room: &'a Room,

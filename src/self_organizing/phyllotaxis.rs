@@ -50,13 +50,13 @@ impl Phyllotaxis {
         }
     }
 
-    /// How many nodes a metamer has.
+    /// Number of nodes of a metamer.
     #[inline]
     pub(super) fn nodes(self) -> u32 {
         if let Self::Whorled { count } = self { u32::from(count) } else { 1 }
     }
 
-    /// Which part of the metamer's length lies below node `i` of its nodes.
+    /// Share of the metamer's length below node `i` of its nodes.
     #[inline]
     pub(super) fn part(self, i: u32) -> f32 {
         match self.nodes() {
@@ -66,7 +66,7 @@ impl Phyllotaxis {
         }
     }
 
-    /// How far around the axis node `i` of a metamer's nodes stands from the node before, radians.
+    /// Angle around the axis from the node before to node `i` of a metamer's nodes, radians.
     fn step(self, i: u32) -> f32 {
         match self {
             Self::Scattered => 0.0,

@@ -13,11 +13,11 @@ pub(super) struct Room {
     pub(super) envelopes: Vec<Arc<dyn Shape>>,
     pub(super) obstacles: Vec<Arc<dyn Shape>>,
     pub(super) terrain: Option<Arc<dyn Terrain>>,
-    /// What the forest had when it was written, if it was read.
+    /// State of the forest when it was written, if it was read.
     pub(super) wanted: Marks,
 }
 
-/// What tells the shapes of a room from others, for files.
+/// Fingerprint of a room's shapes, for files.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
 pub(super) struct Marks {
@@ -69,7 +69,7 @@ impl Room {
         ParameterError::unless(holds, "Forest.terrain", value, "the one that the forest was written with")
     }
 
-    /// What to write of it.
+    /// Options of writing it.
     #[cfg(feature = "serde")]
     pub(super) fn marks(&self) -> Marks {
         let all = |shapes: &[Arc<dyn Shape>]| shapes.iter().map(mark).collect();

@@ -11,7 +11,7 @@ use crate::ParameterError;
 use crate::shape::LARGEST;
 use glam::Vec3;
 
-/// What [`Forest`] writes.
+/// Form of a [`Forest`] in files.
 #[derive(serde::Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct Saved<E> {
@@ -113,7 +113,7 @@ impl<E: Environment> TryFrom<Saved<E>> for Forest<E> {
     }
 }
 
-/// What [`Tree`] writes.
+/// Form of a [`Tree`] in files.
 #[derive(serde::Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct SavedTree {

@@ -23,7 +23,7 @@ struct Shoot {
     index: u32,
 }
 
-/// What a season will do to a tree.
+/// Plan of a season for a tree.
 #[derive(Debug, Default)]
 pub(super) struct Plan {
     /// If there are to be parts, by node, main before lateral: those that have stood longest first.
@@ -35,14 +35,14 @@ pub(super) struct Plan {
     pub(super) metamers: u64,
 }
 
-/// Which of the equal parts of a season's shoots.
+/// Number among the equal parts of a season's shoots.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Part {
     pub(super) index: u32,
     pub(super) of: u32,
 }
 
-/// Where and when a tree grows.
+/// Place and time of a tree's growth.
 #[derive(Debug)]
 pub(super) struct Setting<'a, E> {
     pub(super) environment: &'a E,
@@ -52,7 +52,7 @@ pub(super) struct Setting<'a, E> {
     pub(super) season: u16,
 }
 
-/// What a season did to a tree.
+/// Result of a season for a tree.
 #[derive(Debug, Default)]
 pub(super) struct Change {
     pub(super) appeared: Vec<Vec3>,
@@ -238,7 +238,7 @@ impl Tree {
         }
     }
 
-    /// Which metamers have too little vigor for their width.
+    /// Metamers with too little vigor for their width.
     fn starve(&self, habit: &Habit, season: u16, vigor: &[f32], shed: &mut Vec<u32>) {
         let Some(shedding) = habit.shedding else { return };
         let exponent = shedding.exponent / habit.width_exponent;

@@ -68,9 +68,9 @@ const PART: usize = 1024;
 pub struct ShadowPropagation {
     options: Options,
     grid: Grid,
-    /// What obstacles leave of the sky, if there are any.
+    /// Sky that obstacles leave visible, if there are any.
     sky: Option<Sky>,
-    /// What hides the sky from now on, until the field is worked out.
+    /// Obstacles that hide the sky from now on, until the field is worked out.
     pending: Option<Hiding>,
     /// Whether a terrain is the ground instead of the bottom of the box.
     has_terrain: bool,
@@ -83,7 +83,7 @@ crate::recipe::readable!(in options: ShadowPropagation {
     scattered: f32,
 });
 
-/// What hides the sky.
+/// Obstacles that hide the sky.
 #[derive(Clone)]
 struct Hiding {
     obstacles: Vec<Arc<dyn Shape>>,
@@ -96,7 +96,7 @@ impl std::fmt::Debug for Hiding {
     }
 }
 
-/// What the user sets.
+/// Options as the user sets them.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
 struct Options {
@@ -230,7 +230,7 @@ impl ShadowPropagation {
         }
     }
 
-    /// What can be seen of the sky; `None` if nothing hides it, or if what does cannot be, which is refused elsewhere.
+    /// Visible part of the sky; `None` if nothing hides it, or if the obstacles are impossible, which is refused elsewhere.
     fn sky_behind(&self, hiding: &Hiding) -> Option<Sky> {
         let Hiding { obstacles, terrain } = hiding;
         let Options { min, max, cell, .. } = self.options;

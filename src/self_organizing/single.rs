@@ -78,7 +78,7 @@ impl<E: Environment> SelfOrganizing<E> {
         self.grow(1)
     }
 
-    /// So many seasons.
+    /// Number of seasons.
     ///
     /// # Errors
     /// As [`step`](Self::step); seasons finished before the error are kept.

@@ -59,7 +59,7 @@ impl Sky {
         sky
     }
 
-    /// Which cells of a layer obstacles fill, if only in part.
+    /// Cells of a layer that obstacles fill, if only in part.
     fn blocked(&self, y: i32, obstacles: &[Arc<dyn Shape>]) -> Vec<bool> {
         // Four points a cell, at different heights and places on each axis: thin walls and roofs are not missed.
         let points =
@@ -83,7 +83,7 @@ impl Sky {
         blocked
     }
 
-    /// What part of the light from `direction` gets to each cell, in 255ths.
+    /// Share of the light from `direction` that gets to each cell, in 255ths.
     fn follow(&self, direction: Vec3, layers: &[Vec<bool>]) -> Vec<u8> {
         let (columns, rows) = (self.size.x as usize, self.size.z as usize);
         let mut through = vec![255u8; columns * rows * layers.len()];

@@ -1,4 +1,4 @@
-//! How high a tree grows in the course of its life.
+//! Height of a tree over its life.
 
 use super::habit::within;
 use crate::ParameterError;
@@ -75,7 +75,7 @@ impl Stature {
         self.height * math::powf(1.0 - math::exp(-f32::from(seasons) / self.pace), self.shape)
     }
 
-    /// What is left of a tree's vigor in its season of this number, in [0, 1].
+    /// Share of a tree's vigor that is left in its season of this number, in [0, 1].
     pub(super) fn strength(&self, season: u16) -> f32 {
         let Some(lifespan) = self.lifespan else { return 1.0 };
         let beyond = season.saturating_sub(lifespan);

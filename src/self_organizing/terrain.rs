@@ -26,7 +26,7 @@ pub trait Terrain: Send + Sync {
     /// The height at (x, z), all in metres.
     fn height(&self, x: f32, z: f32) -> f32;
 
-    /// Whether the options are in range.
+    /// Checks that the options are in range.
     ///
     /// # Errors
     /// The first that is not.
@@ -88,7 +88,7 @@ impl Terrain for Heightmap {
     }
 }
 
-/// What lies below a terrain, as an obstacle.
+/// Ground below a terrain, as an obstacle.
 pub(super) struct Below(pub(super) Arc<dyn Terrain>);
 
 impl Shape for Below {

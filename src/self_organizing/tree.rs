@@ -57,7 +57,7 @@ pub(super) struct Node {
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct NodeId(pub u32);
 
-/// Where a bud is and in which direction it points, as [`Environment::prepare`](super::Environment::prepare) gets it.
+/// Position and direction of a bud, as [`Environment::prepare`](super::Environment::prepare) gets it.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub struct Site {
@@ -118,7 +118,7 @@ impl Tree {
         self.number
     }
 
-    /// Which of the forest's habits it has.
+    /// Number of its habit among the forest's.
     pub fn habit(&self) -> usize {
         self.habit as usize
     }
@@ -128,7 +128,7 @@ impl Tree {
         self.generation
     }
 
-    /// Where it stands, metres.
+    /// Its place, metres.
     pub fn foot(&self) -> Vec3 {
         self.nodes[0].position
     }
@@ -158,7 +158,7 @@ impl Tree {
         self.nodes.binary_search_by_key(&node.0, |node| node.number).ok()
     }
 
-    /// Where its nodes are, metres; the foot first, each parent before its children.
+    /// Positions of its nodes, metres; the base first, each parent before its children.
     pub fn positions(&self) -> impl ExactSizeIterator<Item = Vec3> + '_ {
         self.nodes.iter().map(|node| node.position)
     }
@@ -222,7 +222,7 @@ impl Tree {
         (position - self.nodes[parent as usize].position).normalize_or(UP)
     }
 
-    /// Where the lateral of `node` points.
+    /// Direction of the lateral of `node`.
     pub(super) fn lateral_direction(&self, node: u32, habit: &Habit, seed: u64) -> Vec3 {
         let direction = self.direction(node);
         let Node { number, azimuth, .. } = self.nodes[node as usize];

@@ -4,7 +4,7 @@ use super::habit::within;
 use super::tree::{BUD, Tree, is_node};
 use crate::ParameterError;
 
-/// How vigor is shared among buds.
+/// Model by which vigor is shared among buds.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
 #[non_exhaustive]
@@ -57,9 +57,9 @@ impl VigorModel {
 /// Light and vigor of a tree's nodes and buds, for one season.
 #[derive(Debug, Default)]
 pub(super) struct Supply {
-    /// What each node's buds and all above it get.
+    /// Share of each node's buds and of all above it.
     pub(super) light: Vec<f32>,
-    /// What the main and the lateral bud of each node get; zero where there is none.
+    /// Shares of the main and the lateral bud of each node; zero where there is none.
     pub(super) buds: Vec<[f32; 2]>,
     /// The vigor of each node's metamer; the foot's is the root's.
     pub(super) vigor: Vec<f32>,

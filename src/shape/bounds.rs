@@ -98,7 +98,7 @@ impl Bounds {
         Self { min: self.min.min(other.min), max: self.max.max(other.max) }
     }
 
-    /// What lies in both; [empty](Self::is_empty) if nothing does.
+    /// Intersection; [empty](Self::is_empty) if nothing lies in both.
     pub fn intersection(self, other: Self) -> Self {
         Self { min: self.min.max(other.min), max: self.max.min(other.max) }
     }

@@ -6,7 +6,7 @@ use rand::RngExt;
 use super::{Bounds, Shape, TRIES, check_position, lattice_volume, unit_cube};
 use crate::ParameterError;
 
-/// What lies in one shape or the other, or both.
+/// Union of two shapes.
 ///
 /// [`volume`](Shape::volume) is that of both less an estimate of what they share.
 ///
@@ -76,7 +76,7 @@ impl<A: Shape, B: Shape> Shape for Union<A, B> {
     }
 }
 
-/// What lies in both shapes.
+/// Intersection of two shapes.
 ///
 /// It may be empty, which is not an error; [`sample`](Shape::sample) then finds nothing.
 ///
@@ -99,7 +99,7 @@ pub struct Intersection<A, B> {
 crate::recipe::mapped!(Intersection { first, second; });
 
 impl<A, B> Intersection<A, B> {
-    /// What both shapes share.
+    /// Intersection of both shapes.
     pub const fn new(first: A, second: B) -> Self {
         Self { first, second }
     }
@@ -124,7 +124,7 @@ impl<A: Shape, B: Shape> Shape for Intersection<A, B> {
     }
 }
 
-/// What lies in one shape, but not in another: room for a power line or a neighbour's house.
+/// Difference of two shapes: room for a power line or a neighbour's house.
 ///
 /// The surface of what is taken away goes with it. It may be empty, which is not an error;
 /// [`sample`](Shape::sample) then finds nothing. [`volume`](Shape::volume) is that of the first less an

@@ -66,7 +66,7 @@ const TRIES: u32 = 1 << 16;
 /// The lattice of [`Shape::volume`] has this many cells on each axis.
 const CELLS: u16 = 48;
 
-/// Where in its cell each point of that lattice lies: a Kronecker sequence with these steps.
+/// Position of each point of that lattice in its cell: a Kronecker sequence with these steps.
 ///
 /// Powers of 1/g, where g⁴ = g + 1: Roberts 2018, "The unreasonable effectiveness of quasirandom sequences",
 /// for three dimensions.
@@ -131,7 +131,7 @@ pub trait Shape: Send + Sync {
     /// A box that encloses every point of the shape; [empty](Bounds::is_empty) if it has none.
     fn bounds(&self) -> Bounds;
 
-    /// Whether the parameters make sense.
+    /// Checks that the parameters make sense.
     ///
     /// # Errors
     /// The first parameter out of its range, named `Type.field`.
@@ -288,7 +288,7 @@ fn check_length(parameter: &str, length: f32) -> Result<(), ParameterError> {
     )
 }
 
-/// Where something is to stand, and how high it is to be.
+/// Place and wanted height.
 fn check_fit(name: &str, base: f32, height: f32) -> Result<(), ParameterError> {
     let holds = base.abs() <= LARGEST;
     ParameterError::unless(holds, &format!("{name}.base"), base, "from -1e6 to 1e6 metres")?;

@@ -39,7 +39,7 @@ struct Inner {
     max: Vec2,
     /// The sides that cross each of some rows of equal height.
     rows: Vec<Vec<[Vec2; 2]>>,
-    /// What was wrong with the height it was fitted to.
+    /// Error of the height it was fitted to.
     fit: Result<(), ParameterError>,
 }
 
@@ -204,7 +204,7 @@ fn sides(contour: &[Vec2]) -> impl Iterator<Item = [Vec2; 2]> + '_ {
     (0..contour.len()).map(|i| [contour[i], contour[(i + 1) % contour.len()]])
 }
 
-/// Where a side crosses the line at height `y`, and whether downward (1) or upward (-1).
+/// Crossing of a side with the line at height `y`, and its sense: downward (1) or upward (-1).
 fn crossing([from, to]: [Vec2; 2], y: f32) -> Option<(f32, i32)> {
     let (below, ends_below) = (from.y <= y, to.y <= y);
     (below != ends_below).then(|| {
@@ -241,7 +241,7 @@ pub(super) fn meeting(contour: &[Vec2]) -> Option<(usize, usize)> {
     None
 }
 
-/// Which side of the line from a to b the point c lies on.
+/// Side of the line from a to b on which the point c lies.
 fn turn(a: Vec2, b: Vec2, c: Vec2) -> f64 {
     let [a, b, c]: [DVec2; 3] = [a, b, c].map(Vec2::as_dvec2);
     (b - a).perp_dot(c - a)
@@ -281,7 +281,7 @@ pub struct Extrusion {
 }
 
 impl Extrusion {
-    /// What lies within `depth / 2` metres of the outline's inside; `depth` from 1e-6 to 1e6.
+    /// Solid within `depth / 2` metres of the outline's inside; `depth` from 1e-6 to 1e6.
     pub fn new(outline: Outline, depth: f32) -> Self {
         Self { outline, depth }
     }

@@ -5,7 +5,7 @@ use glam::Vec3;
 use super::{Bounds, Shape, check_position};
 use crate::ParameterError;
 
-/// What lies in a shape, but not in a smaller copy of it: where the twigs and the light are.
+/// Shape without a smaller copy of itself: the outer shell, where the twigs and the light are.
 ///
 /// The copy is shrunk towards a point by a fraction. The point is the middle of the shape's bounds unless
 /// [`about`](Self::about) names another: for a shape that stands on its base, such as

@@ -165,7 +165,7 @@ impl Sketch {
     }
 }
 
-/// By how much the ends of a silhouette's box move outward if radii go up to `most`.
+/// Distance by which the ends of a silhouette's box move outward if radii go up to `most`.
 fn overhang(outline: &Outline, most: f32) -> f32 {
     0.5 * (outline.max().x - outline.min().x) * (most - 1.0).max(0.0)
 }
@@ -257,7 +257,7 @@ mod tests {
         assert!((CrossProfile::ROUND.radius(1.234) - 1.0).abs() < 1e-6);
     }
 
-    /// What is edited at the top changes nothing at the foot, and the bounds hold what sticks out.
+    /// An edit at the top changes nothing at the base, and the bounds hold what sticks out.
     #[test]
     fn edited_profiles_make_a_crown_uneven() {
         let plain = Sketch::new(ellipse(Vec2::Y * 5.0, Vec2::new(2.0, 3.0)));

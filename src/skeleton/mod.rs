@@ -350,7 +350,7 @@ fn same_length(array: &'static str, length: usize, nodes: usize) -> Result<(), S
     if length == nodes { Ok(()) } else { Err(SkeletonError::Length { array, length, nodes }) }
 }
 
-/// What a skeleton looks like in a file.
+/// Form of a skeleton in a file.
 #[cfg(feature = "serde")]
 #[derive(serde::Serialize, serde::Deserialize)]
 #[serde(deny_unknown_fields)]

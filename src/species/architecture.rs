@@ -19,7 +19,7 @@ const HUGE: f32 = 2.5;
 /// Most nodes of a tree.
 const MOST_NODES: usize = 3_000_000;
 
-/// What a tree is grown with: how wide its outline is drawn, how dense its shoots stand.
+/// Settings for the growth of one tree: the width of its outline, the density of its shoots.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Scale {
     pub(super) radius: f32,
@@ -28,7 +28,7 @@ pub(super) struct Scale {
 
 struct Growing<'a> {
     species: &'a Species,
-    /// By how much laterals are farther apart than the tables say: huge trees keep fewer.
+    /// Factor on the distance of laterals in the tables: huge trees keep fewer.
     coarse: f32,
     outline: Outline,
     density: f32,

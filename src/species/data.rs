@@ -18,7 +18,7 @@ pub struct Species {
     pub aliases: String,
     /// One line on what makes it known.
     pub about: String,
-    /// How large it gets.
+    /// Its size.
     pub size: Size,
     /// Its stem.
     pub trunk: Trunk,
@@ -62,7 +62,7 @@ pub struct Size {
     pub spread: [f32; 3],
     /// Least and greatest height over diameter of the trunk that occur.
     pub slenderness: [f32; 2],
-    /// By how much the diameter of a young trunk grows a year, metres.
+    /// Growth of a young trunk's diameter, metres per year.
     pub growth: f32,
 }
 
@@ -95,13 +95,13 @@ pub struct Trunk {
     pub forks: [f32; 2],
     /// Angle of these to the vertical, degrees.
     pub fork_angle: f32,
-    /// By how much the stem leans, degrees.
+    /// Lean of the stem, degrees.
     pub lean: f32,
-    /// By how much it bends on its way, degrees.
+    /// Bend along its way, degrees.
     pub sweep: f32,
     /// Diameter at a quarter, half and three quarters of the height over that at 1.3 m.
     pub profile: [f32; 3],
-    /// By which part the base is thicker than the taper alone would have it.
+    /// Share by which the base is thicker than the taper alone gives.
     pub flare: f32,
     /// Height of the crown's base over that of the tree: in the open, and crowded in a stand.
     pub clear: [f32; 2],
@@ -130,7 +130,7 @@ impl Default for Trunk {
 pub struct Crown {
     /// Radii from the crown's base to its top at even distances, parts of the largest; 2 to 12 of them.
     pub profile: Vec<f32>,
-    /// How far the crown's middle is off the stem, parts of its mean radius: least and most.
+    /// Offset of the crown's middle from the stem, as a share of its mean radius: least and most.
     pub eccentricity: [f32; 2],
     /// Bulges and bays of the outline, parts of the radius.
     pub roughness: f32,
@@ -154,7 +154,7 @@ impl Default for Crown {
 #[cfg_attr(feature = "serde", derive(serde::Serialize))]
 #[non_exhaustive]
 pub struct Limbs {
-    /// So many in all, if they stand one at a time.
+    /// Number in all, if they stand one at a time.
     pub count: f32,
     /// Distance of whorls, metres; 0 if limbs stand one at a time.
     pub whorl_spacing: f32,
@@ -166,7 +166,7 @@ pub struct Limbs {
     pub angle: [f32; 2],
     /// Spread of that angle, degrees.
     pub angle_spread: f32,
-    /// By how much a limb has turned upwards at its middle, degrees; negative: downwards.
+    /// Upward turn of a limb at its middle, degrees; negative: downwards.
     pub rise: [f32; 2],
     /// The same at its end.
     pub rise_at_end: [f32; 2],
@@ -202,7 +202,7 @@ impl Default for Limbs {
     }
 }
 
-/// How laterals stand about what bears them.
+/// Arrangement of laterals about their parent branch.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize))]
 #[non_exhaustive]
@@ -235,7 +235,7 @@ impl Choice for Stand {
 #[cfg_attr(feature = "serde", derive(serde::Serialize))]
 #[non_exhaustive]
 pub struct Laterals {
-    /// How they stand.
+    /// Arrangement.
     pub stand: Stand,
     /// Distance of one from the next along the branch that bears them, metres.
     pub spacing: f32,
@@ -247,7 +247,7 @@ pub struct Laterals {
     pub ratio: f32,
     /// Least and greatest length, metres.
     pub length: [f32; 2],
-    /// By how much of a right angle and more they turn upwards on their way; negative: hang.
+    /// Upward turn along their way, as a share of a right angle; negative: they hang.
     pub rise: f32,
     /// Flattening towards the horizontal plane: 0 none, 1 flat sprays.
     pub flat: f32,
@@ -300,7 +300,7 @@ pub struct Shoots {
     pub angle: f32,
     /// As [`Laterals::rise`].
     pub rise: f32,
-    /// How they stand.
+    /// Arrangement.
     pub stand: Stand,
 }
 
@@ -381,25 +381,25 @@ impl Choice for LeafShape {
 #[cfg_attr(feature = "serde", derive(serde::Serialize))]
 #[non_exhaustive]
 pub struct LeafData {
-    /// What they are drawn with.
+    /// Style in which they are drawn.
     pub shape: LeafShape,
     /// Length of a blade (of a shoot or tuft with its needles), metres.
     pub length: f32,
     /// Length of the petiole over that of the blade.
     pub petiole: f32,
-    /// How they stand: `spiral`, `two-ranked`, `decussate` or `paired`.
+    /// Arrangement: `spiral`, `two-ranked`, `decussate` or `paired`.
     pub stand: Stand,
     /// Distance of one from the next along a shoot, metres, before the tree's leaf area is met.
     pub spacing: f32,
-    /// How far from a shoot's end leaves may stand, metres.
+    /// Greatest distance of leaves from a shoot's end, metres.
     pub reach: f32,
     /// Angle to the shoot, degrees.
     pub angle: f32,
-    /// How far they rise, or, if negative, hang; as [`Foliage::with_rise`](crate::foliage::Foliage::with_rise).
+    /// Rise or, if negative, droop; as [`Foliage::with_rise`](crate::foliage::Foliage::with_rise).
     pub rise: f32,
-    /// How far they turn to the light, 0 to 1.
+    /// Turn to the light, 0 to 1.
     pub turn: f32,
-    /// By how much each is off, radians.
+    /// Random deviation of each, radians.
     pub disorder: f32,
     /// Whether they stay over the winter.
     pub evergreen: bool,
@@ -492,7 +492,7 @@ impl Choice for BarkForm {
 #[cfg_attr(feature = "serde", derive(serde::Serialize))]
 #[non_exhaustive]
 pub struct BarkData {
-    /// What it is like on an old trunk.
+    /// Traits on an old trunk.
     pub kind: BarkForm,
     /// Colour of an old trunk, sRGB.
     pub trunk: [f32; 3],

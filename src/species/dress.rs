@@ -10,7 +10,7 @@ use crate::{Skeleton, math};
 
 /// More leaves than these are drawn as fewer, larger ones.
 const MOST_LEAVES: f32 = 600_000.0;
-/// By which part leaves are larger or smaller.
+/// Random deviation of a leaf's size, as a share of it.
 const SIZES: f32 = 0.22;
 /// The leaf at a shoot's tip over the others.
 const AT_TIP: f32 = 0.8;
@@ -60,7 +60,7 @@ pub(super) fn wanted(species: &Species, area: f32) -> f32 {
     natural(species, area).min(MOST_LEAVES)
 }
 
-/// By how much leaves are longer, so that no more than the most make the area.
+/// Factor on the leaves' length, so that their greatest number is enough for the area.
 fn enlarged(species: &Species, area: f32) -> f32 {
     (natural(species, area) / MOST_LEAVES).max(1.0).sqrt()
 }

@@ -44,7 +44,7 @@ impl Outline {
         self.top
     }
 
-    /// How far up the crown a height is: 0 at its base, 1 at its top.
+    /// Relative height in the crown: 0 at its base, 1 at its top.
     pub(super) fn share(&self, y: f32) -> f32 {
         ((y - self.base) / (self.top - self.base).max(1e-3)).clamp(0.0, 1.0)
     }
@@ -69,7 +69,7 @@ impl Outline {
         point.y > self.top || out > self.reach(point.y, azimuth) * grace
     }
 
-    /// How far one can go from a point in a direction before the outline, at most `most` metres.
+    /// Distance from a point in a direction to the outline, at most `most` metres.
     pub(super) fn way_out(&self, from: Vec3, direction: Vec3, most: f32) -> f32 {
         let step = (self.radius * 0.06).clamp(0.02, most.max(0.02));
         let mut way = 0.0;

@@ -49,7 +49,7 @@ pub struct Numbers {
     pub crown_base: f32,
     /// One-sided area that all leaves have in summer, square metres.
     pub leaf_area: f32,
-    /// By how much neighbours narrow the crown, 0 (in the open) to 1.
+    /// Narrowing of the crown by neighbours, 0 (in the open) to 1.
     pub crowding: f32,
     /// Day of the year, 1 to 366, of the northern half.
     pub day: f32,
@@ -82,7 +82,7 @@ const TRUNKS: [f32; 2] = [0.2, 0.4];
 /// Trees whose diameter at 1.3 m is asked for are at least so tall, metres.
 const LOWEST: f32 = 1.6;
 
-/// By which power of its height the trunk of a tree above usual height is thicker.
+/// Power of the height by which the trunk of a tree above usual height is thicker.
 const TALL: f32 = 1.25;
 
 /// The power of the trunk's diameter that goes through both sizes.
@@ -173,7 +173,7 @@ impl<'a> Request<'a> {
         super::specimen::grow(self.species, self.plan()?, self.dbh, self.seed)
     }
 
-    /// What the tree is to be, without growing it.
+    /// Numbers of the tree to be, without growing it.
     ///
     /// # Errors
     /// As [`grow`](Self::grow).

@@ -70,14 +70,14 @@ fn wrong_texts_are_told_by_line_and_field() {
             "name = \"x\"\n[crown]\nprofile = [1]",
             "line 3: crown.profile: has 1 numbers, but must have 2 to 12",
         ),
-        ("name = \"x\"\n[sise]", "line 2: sise: there is no such section; did you mean size?"),
+        ("name = \"x\"\n[limb]", "line 2: limb: there is no such section; did you mean limbs?"),
         ("name = \"x\"\n[size]\n\n[ ]", "line 4: : there is no such section; did you mean size?"),
         ("name = \"x\"\n[size]\n[bark]\n[size]", "line 4: size: is given twice"),
         ("name = \"x\"\n[[size]]", "line 2: size: is no list: write [size]"),
         ("name = \"x\"\n[organs]\nsize = 1", "line 2: organs: is a list: write [[organs]]"),
         (
-            "name = \"x\"\n[[organs]]\nsise = 1",
-            "line 3: organs.sise: there is no such field; did you mean organs.size?",
+            "name = \"x\"\n[[organs]]\nsizes = 1",
+            "line 3: organs.sizes: there is no such field; did you mean organs.size?",
         ),
         ("name = \"x\"\n[[organs]]\n[[organs]]\nshare = 2", "line 4: organs.share: is 2, but must be 0 to 1"),
         (
@@ -441,7 +441,7 @@ fn neighbours_make_it_slender() -> Result<(), Box<dyn Error>> {
     Ok(())
 }
 
-/// What tells the species of a small tree.
+/// Traits by which the species of a small tree is told.
 fn features(tree: &Specimen) -> Vec<f64> {
     let (skeleton, numbers) = (&tree.skeleton, &tree.numbers);
     let mean = |values: &[f64]| values.iter().sum::<f64>() / values.len().max(1) as f64;

@@ -13,7 +13,7 @@ pub struct SpeciesTextError {
     pub line: usize,
     /// The field, as `section.name`.
     pub field: String,
-    /// What is wrong, and what would be right.
+    /// Fault found, and what would be right.
     pub reason: String,
 }
 
@@ -24,7 +24,7 @@ pub(super) trait Choice: Copy + PartialEq + 'static {
 
 /// Goes over all fields of a species, to read or to write them.
 pub(super) trait Fields {
-    /// What follows belongs to this section.
+    /// Starts a section, to which the next fields belong.
     fn section(&mut self, name: &'static str);
     /// A text.
     fn text(&mut self, name: &'static str, value: &mut String);

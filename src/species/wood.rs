@@ -4,7 +4,7 @@ use super::draw::Draw;
 use crate::math::{self, UP, perpendicular};
 use glam::Vec3;
 
-/// What a node belongs to, from the stem to the shoots.
+/// Rank of a node, from the stem to the shoots.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, PartialOrd, Ord)]
 pub(super) enum Rank {
     #[default]

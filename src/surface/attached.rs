@@ -27,7 +27,7 @@ struct Tube {
     place: Vec3,
 }
 
-/// How far off what bears it a tube begins.
+/// Gap between the start of a tube and its parent branch.
 #[derive(Debug, Clone, Copy)]
 #[allow(dead_code, reason = "what is not read is printed")]
 struct Gap {
@@ -67,7 +67,7 @@ impl Body {
         Self { boxes: triangles.chunks(CHUNK).map(around).collect(), triangles }
     }
 
-    /// How far outside of it a point is; zero on it and within.
+    /// Distance of a point outside of it; zero on it and within.
     fn outside(&self, point: DVec3) -> f64 {
         let distance = self.distance(point);
         if distance > NOTHING && self.holds(point) { 0.0 } else { distance }
@@ -175,7 +175,7 @@ fn tubes(plan: &Plan, options: &Tubes) -> (Vec<Tube>, Mesh) {
     (tubes, mesh)
 }
 
-/// How far off what bears it each tube of a skeleton begins.
+/// Gap between the start of each tube of a skeleton and its parent branch.
 fn gaps(skeleton: &Skeleton, options: &Tubes) -> Vec<Gap> {
     let plan = options.plan(skeleton).expect("a skeleton with a surface");
     let (tubes, mesh) = tubes(&plan, options);
@@ -297,7 +297,7 @@ mod tests {
         (7.3, Vec3::new(0.2, 0.0, 0.1)),
     ];
 
-    /// By how much the worst gap is wider in the wind than without, in radii of the tube; what rounding makes is none.
+    /// Greatest widening of a gap by the wind, in radii of the tube; rounding does not count.
     fn widened(skeleton: &Skeleton, options: &Tubes) -> f64 {
         let options = options.clone().with_wind(true);
         let plan = options.plan(skeleton).expect("a skeleton with a surface");

@@ -19,12 +19,12 @@ const RESOLUTION: f32 = 4.0 * f32::EPSILON;
 const SHARPEST_TURN: f32 = -0.5;
 /// Most parts of an internode: a turn of 240° within one is then smooth to 4°.
 const MOST_PARTS: f32 = 64.0;
-/// How far up the root flare reaches, in radii of the foot.
+/// Height of the root flare, in radii of the trunk base.
 const FLARE_REACH: f32 = 4.0;
 /// The longest part of a flared internode, in radii of the foot.
 const FLARE_PART: f32 = 0.5;
 
-/// Where a ring goes.
+/// Place of a ring.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Station {
     pub(super) position: Vec3,
@@ -34,11 +34,11 @@ pub(super) struct Station {
     pub(super) tangent: Vec3,
     /// Metres from the root along the axes.
     pub(super) along: f32,
-    /// Where the ring begins: a unit vector perpendicular to the tangent, carried along without twist.
+    /// Direction of the ring's first corner: a unit vector perpendicular to the tangent, carried along without twist.
     pub(super) normal: Vec3,
-    /// How fast the radius grows along the branch, metres a metre; zero until the axis is attached to what bears it.
+    /// Growth of the radius along the branch, metres per metre; zero until the axis is attached to its parent branch.
     pub(super) taper: f32,
-    /// Where it is between the nodes of its branch: the fractional number of a node.
+    /// Position between the nodes of its branch: the fractional number of a node.
     pub(super) at: f32,
 }
 
@@ -77,7 +77,7 @@ pub(super) struct Axis {
     pub(super) has_collar: bool,
     /// The first station of its wood: that of its first ring, or the start of its collar.
     pub(super) wood: usize,
-    /// Where it springs: its first station before it was attached to what bears it.
+    /// Its base: its first station before it was attached to its parent branch.
     pub(super) base: Station,
     pub(super) sides: u32,
     /// The number of the branch in [`Skeleton::branches`].

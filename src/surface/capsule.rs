@@ -47,7 +47,7 @@ impl Default for Capsules {
 }
 
 impl Capsules {
-    /// How far the capsules may be off, metres, at least 0; default 0.02.
+    /// Greatest error of the capsules, metres, at least 0; default 0.02.
     pub fn with_tolerance(mut self, tolerance: f32) -> Self {
         self.tolerance = tolerance;
         self

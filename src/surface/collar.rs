@@ -12,7 +12,7 @@ use std::f32::consts::TAU;
 /// the feet of fewer have such long edges and sharp corners that they keep closer.
 const FLARE: f32 = 0.7;
 const FLARE_SIDES: f32 = 8.0;
-/// How far out of the bearing branch a collar ends, in radii of the branch.
+/// Distance from the parent branch at which a collar ends, in radii of the branch.
 const CLEARANCE: f32 = 0.8;
 /// How deep the foot of a collar is sunk into the bearing branch, in radii of the branch.
 const SUNK: f32 = 0.03;
@@ -33,7 +33,7 @@ const TOLERANCE: f32 = 0.1;
 const BARELY: f32 = 0.1;
 /// How near to that clearance a collar ends, in radii of the branch.
 const NEAR: f32 = 0.25;
-/// How far off its straight tube a branch with a collar can be, in radii of the branch.
+/// Greatest distance of a branch with a collar from its straight tube, in radii of the branch.
 const WAYWARD: f32 = 0.7;
 /// The shortest way from a collar to the next ring, in radii of the branch.
 const SHORTEST: f32 = 0.25;
@@ -45,7 +45,7 @@ const SHORTEST: f32 = 0.25;
 /// curve leaves the bearer along the bearer and arrives along the branch.
 #[derive(Debug)]
 pub(super) struct Collar {
-    /// Where the straight tube within the bearer begins, which the first level ring ends.
+    /// Start of the straight tube within the parent branch, which ends at the first level ring.
     pub(super) start: Station,
     /// The bearer's ring below that start.
     pub(super) bearing: usize,
@@ -61,7 +61,7 @@ pub(super) struct Curves {
     points: [Lanes; 3],
     /// The bearer's normals at the feet and at the inner control points.
     normals: [Lanes; 2],
-    /// Where on the bearer the feet are, and in how many turns from where its rings begin.
+    /// Places of the bases on the parent branch, and their turns from where its rings begin.
     pub(super) places: [(Place, f32); LANES],
 }
 
@@ -77,7 +77,7 @@ impl Curves {
         inner.lerp(foot, (1.0 - t) * (1.0 - t))
     }
 
-    /// Where they begin, on the bearer.
+    /// Their starts, on the parent branch.
     pub(super) fn feet(&self) -> Lanes {
         self.points[0]
     }
@@ -88,7 +88,7 @@ impl Curves {
         (b - a).lerp(c - b, t)
     }
 
-    /// Where they end, in the first level ring.
+    /// Their ends, in the first level ring.
     pub(super) fn rim(&self) -> Lanes {
         self.points[2]
     }
@@ -161,7 +161,7 @@ struct Inside {
 }
 
 impl Inside {
-    /// Where the longest collar from here ends, metres from the root.
+    /// End of the longest collar from here, metres from the root.
     fn farthest(&self) -> f32 {
         self.station.along + LONGEST * (self.near.radius + self.station.radius)
     }
@@ -264,7 +264,7 @@ pub(super) fn curves(axes: &Axes, circles: &Circles, axis: &Axis, curves: &mut V
 /// The wood around the place where a branch springs, and the corners of its rings.
 struct Bearing<'a> {
     wood: Wood<'a>,
-    /// Where the branch begins.
+    /// First node of the branch.
     base: Near,
     circle: &'a [[f32; 2]],
 }

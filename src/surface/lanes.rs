@@ -3,7 +3,7 @@
 use glam::{Vec3, Vec4};
 use std::ops::{Add, Mul, Sub};
 
-/// How many there are.
+/// Number present.
 pub(super) const LANES: usize = 4;
 
 /// Four vectors, their components side by side: one instruction works on all four, where roots and quotients are slow.

@@ -46,7 +46,7 @@ crate::recipe::readable!(&Levels { tubes: Tubes });
 pub struct Level {
     /// The surface.
     pub mesh: Mesh,
-    /// By how much it may differ from the smooth tubes, metres. Show it from where this is less than a pixel: at a
+    /// Greatest difference from the smooth tubes, metres. Show it from where this is less than a pixel: at a
     /// distance of `error · height / (2·tan(fov / 2))`, for a picture of so many pixels height and a vertical field of
     /// view. In [screen coverage](crate::export::GlbOptions::with_coverages) that is, for all levels but the last, the tree's
     /// height over the next level's error and the picture's height in pixels; 0 for the last.

@@ -1,4 +1,4 @@
-//! How a surface looks.
+//! Look of a surface.
 
 use crate::{ParameterError, math};
 

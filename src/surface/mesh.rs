@@ -8,7 +8,7 @@ use glam::{Vec2, Vec3, Vec4};
 /// from outside.
 ///
 /// The fields are public, so that any engine's buffers can be filled from them and any mesh can be put in.
-/// What this crate makes satisfies [`check`](Self::check); what a user puts in is checked where it is used.
+/// Results of this crate satisfy [`check`](Self::check); input of a user is checked where it is used.
 ///
 /// Memory: 24 bytes a vertex, 16 more with tangents, 8 with texture coordinates, 12 with colours, 68 with wind; 12 bytes a
 /// triangle.
@@ -35,10 +35,10 @@ pub struct Mesh {
     pub tangents: Vec<Vec4>,
     /// A texture coordinate a vertex, or none at all. Not confined to [0, 1]: textures repeat.
     pub uvs: Vec<Vec2>,
-    /// By what the material's colour is multiplied at each vertex, or nothing at all: linear red, green and blue, each 0
+    /// Factors on the material's colour at each vertex, or none: linear red, green and blue, each 0
     /// to 1. glTF has them as `COLOR_0`, PLY multiplied, and `preview` draws them; the other formats leave them out.
     pub colors: Vec<[f32; 3]>,
-    /// What the wind does to each vertex, or nothing at all.
+    /// Motion of each vertex in the wind, or none.
     pub wind: Vec<Wind>,
     /// Three vertices a triangle, counter-clockwise seen from outside.
     pub indices: Vec<u32>,
@@ -105,7 +105,7 @@ pub enum MeshError {
     Wind {
         /// The vertex.
         vertex: usize,
-        /// What the wind does to it.
+        /// Its motion in the wind.
         wind: Wind,
     },
     /// A colour with a channel that is not in 0 to 1.
@@ -136,7 +136,7 @@ pub enum MeshError {
     Instance {
         /// The number of the instance.
         index: usize,
-        /// What it is.
+        /// The instance.
         instance: Instance,
     },
     /// A triangle without area.

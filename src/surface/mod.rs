@@ -96,7 +96,7 @@ pub enum SurfaceError {
     TooFewTriangles {
         /// The triangles allowed.
         triangles: usize,
-        /// What the trunk needs at the least.
+        /// Least number that the trunk needs.
         least: usize,
     },
     /// More vertices than 32-bit indices can name.

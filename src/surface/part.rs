@@ -7,18 +7,18 @@ use crate::texture::{TextureError, Textures};
 use glam::{Mat3, Quat, Vec3};
 use std::borrow::Cow;
 
-/// Where one copy of a mesh stands: scaled, then turned, then moved.
+/// Transform of one copy of a mesh: scaled, then rotated, then moved.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Instance {
-    /// Where the mesh's origin comes to lie, metres.
+    /// New position of the mesh's origin, metres.
     pub position: Vec3,
-    /// How the mesh is turned; of length 1.
+    /// Rotation of the mesh; of length 1.
     pub rotation: Quat,
-    /// By how much it is enlarged, in all directions.
+    /// Scale in all directions.
     pub scale: f32,
     /// The node of the skeleton whose internode bears it.
     pub node: u32,
-    /// By what the colour of this copy is multiplied: linear red, green and blue, each 0 to 1.
+    /// Factors on the colour of this copy: linear red, green and blue, each 0 to 1.
     pub tint: [f32; 3],
 }
 
@@ -130,13 +130,13 @@ impl<'a> Part<'a> {
         }
     }
 
-    /// What files call it; default `bark`.
+    /// Name in files; default `bark`.
     pub fn with_name(mut self, name: &'a str) -> Self {
         self.name = name;
         self
     }
 
-    /// How it looks; default [`Material::bark`].
+    /// Material; default [`Material::bark`].
     pub fn with_material(mut self, material: Material) -> Self {
         self.material = material;
         self
@@ -176,7 +176,7 @@ impl<'a> Part<'a> {
         self.mesh
     }
 
-    /// How it looks.
+    /// Material.
     pub fn material(&self) -> Material {
         self.material
     }
@@ -192,12 +192,12 @@ impl<'a> Part<'a> {
         self.instances
     }
 
-    /// Where the whole part stands.
+    /// Transform of the whole part.
     pub fn transform(&self) -> Transform {
         self.transform
     }
 
-    /// Where its copies come to stand, the part's own transform included. O(1) without a transform, else O(copies).
+    /// Transforms of its copies, the part's own included. O(1) without a transform, else O(copies).
     pub fn placed(&self) -> Cow<'a, [Instance]> {
         if self.transform.is_identity() {
             return Cow::Borrowed(self.copies());
@@ -205,7 +205,7 @@ impl<'a> Part<'a> {
         Cow::Owned(self.copies().iter().map(|copy| self.transform.instance(copy)).collect())
     }
 
-    /// Where its copies stand within the part: the instances, or the identity once.
+    /// Transforms of its copies within the part: the instances, or the identity once.
     pub fn copies(&self) -> &'a [Instance] {
         self.instances.unwrap_or(&[Instance::IDENTITY])
     }

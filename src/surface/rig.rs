@@ -17,14 +17,14 @@ const MOST: usize = 4;
 /// Bones by their number, and how much each counts.
 type Weights = [(u16, f32); MOST];
 
-/// Where a bone turns.
+/// Joint of a bone.
 #[derive(Debug, Clone)]
 pub(crate) struct Joint {
     pub(crate) position: Vec3,
     pub(crate) parent: Option<u16>,
     level: usize,
     axis: Vec3,
-    /// By how much it turns, radians at the strongest gust.
+    /// Angle by which it turns, radians at the strongest gust.
     angle: f32,
 }
 
@@ -132,7 +132,7 @@ impl Rig {
         }
     }
 
-    /// How a joint is turned against its parent.
+    /// Rotation of a joint relative to its parent.
     pub(crate) fn rotation(&self, joint: usize, air: &Air) -> Quat {
         let Joint { level, axis, angle, .. } = self.joints[joint];
         let turn = axis.cross(air.push(level, axis)) * angle;
@@ -161,7 +161,7 @@ impl Rig {
     }
 }
 
-/// How far each node of a branch is from its first, metres along it.
+/// Distance of each node of a branch from its first, metres along it.
 fn lengths(positions: &[Vec3], nodes: &[u32]) -> Vec<f32> {
     let mut length = 0.0;
     let mut before = positions[nodes[0] as usize];

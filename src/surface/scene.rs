@@ -42,7 +42,7 @@ impl<'a> Scene<'a> {
         self
     }
 
-    /// What stands in it, in the order in which it was added.
+    /// Contents, in the order in which they were added.
     pub fn assets(&self) -> &[PlacedAsset<'a>] {
         &self.assets
     }
@@ -58,7 +58,7 @@ impl<'a> Scene<'a> {
 }
 
 impl<'a> PlacedAsset<'a> {
-    /// What files call it.
+    /// Name in files.
     pub fn name(&self) -> &'a str {
         self.name
     }
@@ -68,7 +68,7 @@ impl<'a> PlacedAsset<'a> {
         self.parts
     }
 
-    /// Where it stands.
+    /// Its transform.
     pub fn transform(&self) -> Transform {
         self.transform
     }

@@ -18,7 +18,7 @@ const THINNEST: f32 = 1e-3;
 /// Vertices of one task.
 const CHUNK: usize = 4096;
 
-/// How a skeleton bends in the wind: what gives [`Wind`] to a mesh, whatever made it.
+/// Motion of a skeleton in the wind; gives [`Wind`] to a mesh, whatever made it.
 ///
 /// A branch bends by a [strain](https://en.wikipedia.org/wiki/Bending) of 0.4% at the strongest gust: by 0.004 over its
 /// radius, radians a metre, so that thin wood bends more than thick. What adds up along a limb approaches a bound: a
@@ -148,7 +148,7 @@ impl Sway {
         Ok(sway)
     }
 
-    /// What the wind does to a point that moves with the internode of a node, at the place next to the point.
+    /// Motion in the wind of a point that moves with the internode of a node, at the place next to the point.
     ///
     /// # Panics
     /// When there is no such node.
@@ -166,12 +166,12 @@ impl Sway {
         mesh.wind = parallel::map(chunks.len(), |i| chunks[i].iter().map(of).collect::<Vec<_>>()).concat();
     }
 
-    /// How far trunk, limb and twig turn an internode at the place next to a point, radians at the strongest gust.
+    /// Angles by which trunk, limb and twig turn an internode at the place next to a point, radians at the strongest gust.
     pub(crate) fn angles(&self, node: u32, point: Vec3) -> [f32; 3] {
         self.bend(node, point).angles
     }
 
-    /// What the wind does to a point of a thing that is attached to an internode next to another point.
+    /// Motion in the wind of a point of a thing that is attached to an internode next to another point.
     pub(crate) fn carried(&self, node: u32, attached: Vec3, point: Vec3) -> Wind {
         let moments = self.bend(node, attached).moments_of(point);
         self.wind_of(self.branches[node as usize], node, moments)

@@ -15,11 +15,11 @@ use glam::{Mat3, Quat, Vec3};
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Transform {
-    /// Where the origin comes to lie, metres.
+    /// New position of the origin, metres.
     pub position: Vec3,
-    /// How it is turned; of length 1.
+    /// Rotation; of length 1.
     pub rotation: Quat,
-    /// By how much it is enlarged, in all directions; positive.
+    /// Scale in all directions; positive.
     pub scale: f32,
 }
 
@@ -44,7 +44,7 @@ impl Transform {
         *self == Self::IDENTITY
     }
 
-    /// Where a point comes to lie.
+    /// New position of a point.
     pub fn point(&self, point: Vec3) -> Vec3 {
         Mat3::from_quat(self.rotation) * self.scale * point + self.position
     }

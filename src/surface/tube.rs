@@ -8,7 +8,7 @@ use crate::skeleton::Branches;
 use crate::{ParameterError, Skeleton};
 use std::f32::consts::PI;
 
-/// By how much branches may be wider to make up for those left out.
+/// Greatest factor by which branches are wider to make up for those left out.
 const MOST_WIDENING: f32 = 1.3;
 
 /// A smooth tube along every branch, with a collar where it leaves the one that bears it, and a round tip.
@@ -138,7 +138,7 @@ impl Tubes {
         self
     }
 
-    /// By how much the trunk is wider where it stands, as a part of its radius there, 0 to 3; default 0.5. It narrows
+    /// Widening of the trunk at its base, as a share of its radius there, 0 to 3; default 0.5. It narrows
     /// to nothing within four radii.
     pub fn with_root_flare(mut self, flare: f32) -> Self {
         self.root_flare = flare;
@@ -251,7 +251,7 @@ impl Tubes {
         sides.max(self.least_sides).min(self.sides)
     }
 
-    /// By how much a polygon is wider than its tube: without an error its corners lie on the tube; with one, so few
+    /// Ratio of a polygon's width to its tube's: without an error its corners lie on the tube; with one, so few
     /// sides may do that both are to be of one circumference, and so of one width on the average (Cauchy).
     pub(super) fn swelling(&self, sides: u32) -> f32 {
         let half = PI / sides as f32;
@@ -304,7 +304,7 @@ impl Tubes {
     }
 }
 
-/// What is not seen at some error.
+/// Branches that are not seen at some error.
 pub(super) struct Dropped {
     /// For each branch; none if all are seen.
     branches: Vec<bool>,

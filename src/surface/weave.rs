@@ -521,7 +521,7 @@ struct Swung<'a> {
     axes: &'a Axes,
     /// Of each station.
     bends: Vec<Bend>,
-    /// By what the moments of each axis differ from the skeleton's.
+    /// Difference of each axis' moments from the skeleton's.
     offsets: Vec<[Vec3; 3]>,
 }
 

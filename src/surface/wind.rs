@@ -1,11 +1,11 @@
-//! How a vertex moves in the wind: the reference that shaders follow.
+//! Motion of a vertex in the wind: the reference that shaders follow.
 
 use super::Mesh;
 use crate::math::{UP, sin_cos};
 use glam::Vec3;
 use std::f32::consts::TAU;
 
-/// How a vertex moves in the wind, as a shader needs it.
+/// Motion of a vertex in the wind, as a shader needs it.
 ///
 /// The tree moves on three levels: the trunk sways, each limb (order 1) sways on the trunk, and each twig (order 2, with
 /// all that it bears) sways on its limb. A vertex moves with the trunk, with its limb and with its twig; leaves flutter
@@ -61,7 +61,7 @@ pub struct Wind {
     /// The unit directions of the limb and of the twig, from base to tip; the same on all that they bear, and zero where there
     /// is none.
     pub axes: [Vec3; 2],
-    /// How far a leaf's vertex flutters, metres; zero on bark and where leaves are attached.
+    /// Flutter of a leaf's vertex, metres; zero on bark and where leaves are attached.
     pub flutter: f32,
     /// The node of the skeleton with whose internode it moves.
     pub node: u32,
@@ -70,7 +70,7 @@ pub struct Wind {
 /// Swings of trunk, limb and twig in a period, and of fluttering leaves.
 const CYCLES: [f32; 3] = [2.0, 5.0, 10.0];
 const FLUTTERS: f32 = 20.0;
-/// By how much a level's swings are apart from another's, radians for its axis.
+/// Phase between a level's swings and another's, radians for its axis.
 const PHASE: Vec3 = Vec3::new(11.0, 17.0, 13.0);
 /// The same of fluttering leaves, radians a metre.
 const WAVE: Vec3 = Vec3::new(9.0, 7.0, 11.0);

@@ -24,7 +24,7 @@ impl Place {
     }
 }
 
-/// What is known of a point near a branch.
+/// Knowledge of a point near a branch.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Near {
     pub(super) place: Place,
@@ -36,7 +36,7 @@ pub(super) struct Near {
 }
 
 impl Near {
-    /// How far outside of the branch the point is; negative within.
+    /// Signed distance of the point from the branch; negative within.
     pub(super) fn outside(&self) -> f32 {
         self.distance - self.radius
     }
@@ -104,7 +104,7 @@ impl<'a> Wood<'a> {
         obliqueness.fold(1.0, f32::min).max(0.0)
     }
 
-    /// What is known of a point, looked for from ring `from`.
+    /// Knowledge of a point, looked for from ring `from`.
     #[inline]
     pub(super) fn near(&self, point: Vec3, from: usize) -> Near {
         let place = self.place(point, from);

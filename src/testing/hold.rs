@@ -14,7 +14,7 @@ use proptest::test_runner::TestCaseError;
 use proptest::{prop_assert, prop_assert_eq};
 use std::sync::Arc;
 
-/// What is held, or the failure that proptest shrinks.
+/// Result of a check: held, or the failure that proptest shrinks.
 pub type Held = Result<(), TestCaseError>;
 
 fn failed(error: &impl std::fmt::Display) -> TestCaseError {
@@ -25,7 +25,7 @@ fn failed(error: &impl std::fmt::Display) -> TestCaseError {
 /// root that leads somewhere.
 ///
 /// # Errors
-/// What does not hold.
+/// The first promise that is broken.
 pub fn hold_builder(builder: &dyn GraphBuilder, seed: u64) -> Held {
     builder.check().map_err(|error| failed(&error))?;
     let graph = builder.build(seed, &Silent).map_err(|error| failed(&error))?;
@@ -56,7 +56,7 @@ fn bits(positions: &[Vec3]) -> impl Iterator<Item = [u32; 3]> + '_ {
 /// that of its bounds.
 ///
 /// # Errors
-/// What does not hold.
+/// The first promise that is broken.
 pub fn hold_shape(shape: &dyn Shape, seed: u64) -> Held {
     shape.check().map_err(|error| failed(&error))?;
     let bounds = shape.bounds();
@@ -83,7 +83,7 @@ pub fn hold_shape(shape: &dyn Shape, seed: u64) -> Held {
 /// The field is finite, and the same every time, at and around points of its choosing.
 ///
 /// # Errors
-/// What does not hold.
+/// The first promise that is broken.
 pub fn hold_field(field: &dyn VectorField, points: &[Vec3]) -> Held {
     field.check().map_err(|error| failed(&error))?;
     for &point in points.iter().chain(&[Vec3::ZERO, Vec3::Y]) {
@@ -97,7 +97,7 @@ pub fn hold_field(field: &dyn VectorField, points: &[Vec3]) -> Held {
 /// The rule gives usable vectors, the same every time, and the trees it guides satisfy every invariant.
 ///
 /// # Errors
-/// What does not hold.
+/// The first promise that is broken.
 pub fn hold_rule(rule: impl GuidingRule + 'static, graph: &Graph, seed: u64) -> Held {
     let rule: Arc<dyn GuidingRule> = Arc::new(rule);
     hold_synth(&two_stages(graph, |endpoints| Stage::new(rule.clone(), endpoints)), graph, seed)
@@ -106,7 +106,7 @@ pub fn hold_rule(rule: impl GuidingRule + 'static, graph: &Graph, seed: u64) -> 
 /// The weights are at least zero and the same every time, and the trees they make satisfy every invariant.
 ///
 /// # Errors
-/// What does not hold.
+/// The first promise that is broken.
 pub fn hold_weight(weight: impl WeightFn + 'static, graph: &Graph, seed: u64) -> Held {
     let weight: Arc<dyn WeightFn> = Arc::new(weight);
     let bend = || Bend::piecewise(0.5, -0.1, 2);
@@ -118,7 +118,7 @@ pub fn hold_weight(weight: impl WeightFn + 'static, graph: &Graph, seed: u64) ->
 /// having too few candidates is allowed.
 ///
 /// # Errors
-/// What does not hold.
+/// The first promise that is broken.
 pub fn hold_endpoints(policy: impl EndpointPolicy + 'static, graph: &Graph, seed: u64) -> Held {
     let policy: Arc<dyn EndpointPolicy> = Arc::new(policy);
     let stage = || Stage::new(Bend::piecewise(0.5, -0.1, 2), policy.clone());
@@ -132,7 +132,7 @@ pub fn hold_endpoints(policy: impl EndpointPolicy + 'static, graph: &Graph, seed
 /// the same every time.
 ///
 /// # Errors
-/// What does not hold.
+/// The first promise that is broken.
 pub fn hold_radius(model: &dyn RadiusModel, skeleton: &Skeleton) -> Held {
     model.check().map_err(|error| failed(&error))?;
     let radii = model.radii(skeleton).map_err(|error| failed(&error))?;
@@ -147,7 +147,7 @@ pub fn hold_radius(model: &dyn RadiusModel, skeleton: &Skeleton) -> Held {
 /// invariant. Having too few candidates for endpoints is allowed.
 ///
 /// # Errors
-/// What does not hold.
+/// The first promise that is broken.
 pub fn hold_synth(synth: &TreeSynth, graph: &Graph, seed: u64) -> Held {
     let mut search = Search::new(graph);
     let growth = match synth.grow(&mut search, seed, &Silent) {
@@ -167,7 +167,7 @@ pub fn hold_synth(synth: &TreeSynth, graph: &Graph, seed: u64) -> Held {
 /// edges edges of the graph; every endpoint is in it, every tip an endpoint; stages and hops ascend.
 ///
 /// # Errors
-/// What does not hold.
+/// The first promise that is broken.
 pub fn hold_growth(graph: &Graph, growth: &Growth) -> Held {
     let graph = growth.graph.as_deref().unwrap_or(graph);
     let (skeleton, nodes) = (&growth.skeleton, &growth.nodes);
@@ -207,7 +207,7 @@ pub fn hold_growth(graph: &Graph, growth: &Growth) -> Held {
 /// parents agree, branches hold every internode once, orders ascend by one where a branch leaves its axis.
 ///
 /// # Errors
-/// What does not hold.
+/// The first promise that is broken.
 pub fn hold_skeleton(skeleton: &Skeleton) -> Held {
     skeleton.check().map_err(|error| failed(&error))?;
     let mut depth = vec![0usize; skeleton.len()];

@@ -16,9 +16,9 @@ use proptest::prelude::*;
 #[derive(Debug, Clone)]
 #[non_exhaustive]
 pub struct Options {
-    /// Where nodes are placed.
+    /// Region in which nodes are placed.
     pub region: Region,
-    /// How many.
+    /// Number.
     pub nodes: usize,
     /// Whether in the plane z = 0 alone.
     pub planar: bool,
@@ -26,7 +26,7 @@ pub struct Options {
     pub sectors: usize,
     /// The stages, one to four.
     pub stages: Vec<StageOptions>,
-    /// Which radius model.
+    /// Radius model.
     pub radius: u8,
 }
 

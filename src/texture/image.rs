@@ -7,7 +7,7 @@ use std::io::{self, BufRead, Seek, Write};
 /// An image with 8 bits a channel: 1 channel (grey), 3 (red, green, blue) or 4 (red, green, blue, alpha). Rows from the top,
 /// pixels from the left; the texture coordinate (0, 0) is the upper left corner, as in glTF.
 ///
-/// What the numbers mean is up to the map: colours are sRGB, everything else is linear.
+/// The map decides what the numbers mean: colours are sRGB, everything else is linear.
 ///
 /// Memory: one byte a channel and pixel.
 ///
@@ -120,7 +120,7 @@ impl Image {
     /// Reads a PNG file of any kind; palettes, 16 bits a channel and grey with alpha are converted.
     ///
     /// # Errors
-    /// What is no PNG, is broken, or is larger than 8192 pixels a side; whatever the reader returns.
+    /// Not a PNG, broken, or larger than 8192 pixels a side; errors of the reader.
     pub fn read_png(reader: impl BufRead + Seek) -> Result<Self, TextureError> {
         let mut decoder = png::Decoder::new(reader);
         decoder.set_transformations(png::Transformations::normalize_to_color8());

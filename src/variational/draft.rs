@@ -304,7 +304,7 @@ impl Draft {
     }
 }
 
-/// How far the places ahead are on average, within 60° of `direction`; `None` if there are none.
+/// Mean distance of the places ahead, within 60° of `direction`; `None` if there are none.
 fn reach(places: &[DVec3], from: DVec3, direction: DVec3) -> Option<f64> {
     let mut count = 0_u32;
     let mut sum = 0.0;
@@ -319,5 +319,5 @@ fn reach(places: &[DVec3], from: DVec3, direction: DVec3) -> Option<f64> {
     (count > 0).then(|| sum / f64::from(count))
 }
 
-/// Where a lateral first forks, on the way to the middle of the shape nodes ahead of it.
+/// Place of a lateral's first fork, on the way to the middle of the shape nodes ahead of it.
 const LATERAL: f64 = 0.4;

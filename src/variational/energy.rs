@@ -17,7 +17,7 @@ pub struct Energy {
     pub gradient: Vec<DVec3>,
 }
 
-/// What the botanical parameters ask of one internode: the terms of equation 8.
+/// Terms of equation 8 of one internode, by the botanical parameters.
 #[must_use]
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
@@ -167,7 +167,7 @@ fn fade(angle: &Measured<3>, soft: f64) -> Measured<3> {
 }
 
 /// `F_P` for internodes of d^β = `thick`, its gradient added up by `add`, with its kinks rounded off as `soft` says.
-/// What has no thickness neither counts nor is turned against.
+/// Surfaces without thickness neither count nor turn others.
 pub(super) fn deviations(
     positions: &[DVec3],
     parents: &[u32],

@@ -42,8 +42,8 @@ pub(super) struct Graft<'a> {
     has_twigs: bool,
 }
 
-/// By how much an internode's d^β falls and rises with its flow, in straight lines between so many places: a hundred
-/// thousand powers are most of the time of a sweep.
+/// Number of straight lines by which an internode's d^β as a function of its flow is drawn. A hundred thousand powers would
+/// take most of the time of a sweep.
 struct Powers {
     power: f64,
     less: Vec<f64>,
@@ -80,7 +80,7 @@ impl Powers {
     }
 }
 
-/// What hangs on a node: a branch node, or a shape node.
+/// Child of a node: a branch node, or a shape node.
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Item {
     Branch(u32),
@@ -253,7 +253,7 @@ impl<'a> Graft<'a> {
         best
     }
 
-    /// What of `F_P` a subtree has at its base if it hangs on `place`, with such a wish for its length.
+    /// Share of `F_P` at the base of a subtree that hangs on `place`, with that wish for its length.
     fn strain(&self, node: u32, place: u32, wished: f64, thick: f64) -> f64 {
         let way = self.at(node).distance(self.at(place));
         let mut sum = thick * (way - wished).abs();
@@ -343,7 +343,7 @@ impl<'a> Graft<'a> {
         self
     }
 
-    /// What a shape node costs for each metre that it hangs off.
+    /// Cost of a shape node per metre that it hangs off.
     fn pull(&self, tip: u32) -> f64 {
         let tip = tip as usize;
         self.nodes.costs[tip] + self.weights.lambda * self.nodes.shares[tip]
@@ -460,7 +460,7 @@ impl<'a> Graft<'a> {
         }
     }
 
-    /// Where an item is, its flow, and what it costs for each metre.
+    /// Position of an item, its flow, and its cost per metre.
     fn item(&self, item: Item) -> (DVec3, f64, f64) {
         match item {
             Item::Branch(node) => {

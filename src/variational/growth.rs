@@ -13,7 +13,7 @@ pub struct Growth {
     pub skeleton: Skeleton,
     /// Number of branch nodes, the root included.
     pub branch_nodes: usize,
-    /// What was asked of each branch node's internode.
+    /// Terms asked of each branch node's internode.
     pub wishes: Vec<Wish>,
     /// The energy after every step. The last steps, from [`StepKind::Twigs`] on, start from the tree of least energy of all
     /// refinements, which need not be the last one's.
@@ -26,7 +26,7 @@ pub struct Growth {
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub struct Step {
-    /// What was done.
+    /// Result of the step.
     pub kind: StepKind,
     /// F, metres to the power of 1 + β.
     pub total: f64,
@@ -42,7 +42,7 @@ pub struct Step {
     pub branch_nodes: usize,
 }
 
-/// What a step of the optimization did.
+/// Result of a step of the optimization.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum StepKind {
@@ -90,7 +90,7 @@ pub enum VariationalError {
     /// The radius model failed.
     #[error("the radii: {0}")]
     Radius(#[from] RadiusError),
-    /// What was found is no tree.
+    /// The result is no tree.
     #[error("the tree: {0}")]
     Skeleton(#[from] SkeletonError),
     /// The observer cancelled the work.

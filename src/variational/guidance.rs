@@ -10,7 +10,7 @@ use crate::math::sin_cos;
 use crate::random::{Purpose, stream, unit};
 use crate::{Bounds, ParameterError, Shape};
 
-/// What a tree is to fill: shape nodes, each a small sphere, that become its tips.
+/// Shape that a tree fills: shape nodes, each a small sphere, that become its tips.
 ///
 /// ```
 /// use treesynth::{glam::Vec3, shape::HalfEllipsoid, variational::GuidanceShape};
@@ -227,7 +227,7 @@ impl GuidanceShape {
 /// The stages of the streams of jitter: each node's own, and what it shares with its neighbours.
 const JITTERED: u32 = 1;
 const SHARED: u32 = 2;
-/// How far apart places are that move independently, in units of the jitter.
+/// Distance of places that move independently, in units of the jitter.
 const CLUMP: f32 = 6.0;
 
 /// Random vectors on a lattice of side 1, linear in between: -0.5 to 0.5 on each axis.

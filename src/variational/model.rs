@@ -16,7 +16,7 @@ pub(super) struct Weights {
     pub(super) mu: f64,
     /// Of wood outside of the shape, over that inside.
     pub(super) outside: f64,
-    /// What is farther than this from every shape node is outside, metres.
+    /// Distance from every shape node beyond which a point is outside, metres.
     pub(super) margin: f64,
 }
 

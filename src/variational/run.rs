@@ -135,7 +135,7 @@ impl VariationalSynth {
         (nodes, weights, Soft { length: 1e-4 * size, deviation: 0.05, turn: 0.2 })
     }
 
-    /// How far the farthest shape node is from the root, metres.
+    /// Distance of the farthest shape node from the root, metres.
     fn size(&self) -> f32 {
         let away = |place: &Vec3| place.distance(self.root);
         self.shape.positions().iter().map(away).fold(f32::MIN_POSITIVE, f32::max)
@@ -164,7 +164,7 @@ impl VariationalSynth {
     }
 }
 
-/// What is shown every step with its tree.
+/// Callback that sees every step with its tree.
 type Visit<'v> = dyn FnMut(&Step, Skeleton) + 'v;
 
 /// One optimization under way.

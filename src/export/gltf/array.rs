@@ -60,7 +60,7 @@ pub(super) enum Attribute {
     Tangent,
     Uv,
     Color,
-    /// By its name in the file.
+    /// Attribute of its name in the file.
     Wind(&'static str, Column),
 }
 
@@ -110,7 +110,7 @@ impl Grid {
         step.is_finite().then_some(Self { origin: low, step })
     }
 
-    /// What takes its numbers back to metres.
+    /// Factor that takes its numbers back to metres.
     pub(super) fn transform(self) -> Transform {
         Transform { position: self.origin, scale: self.step, ..Transform::IDENTITY }
     }
@@ -121,7 +121,7 @@ impl Grid {
     }
 }
 
-/// How an array's elements look to glTF.
+/// Type of an array's elements in glTF.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) struct Format {
     pub(super) kind: &'static str,
@@ -289,7 +289,7 @@ impl Array<'_> {
         self.count() * self.format().stride
     }
 
-    /// What the array is for; instances and images are not for the vertex pipeline.
+    /// Use of the array; instances and images are not for the vertex pipeline.
     pub(super) fn target(&self) -> Option<u32> {
         match self {
             Self::Vertices(_) | Self::Bones(_) | Self::Weights(_) => Some(ARRAY_BUFFER),
@@ -338,7 +338,7 @@ impl Array<'_> {
     }
 }
 
-/// What a copy does to a vertex.
+/// Transform of a vertex by a copy.
 struct Placement {
     matrix: Mat3,
     rotation: Mat3,

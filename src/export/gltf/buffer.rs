@@ -20,7 +20,7 @@ pub(super) struct Buffer<'a> {
     accessors: Vec<Accessor>,
 }
 
-/// Where some numbers lie.
+/// Place of some numbers.
 #[derive(Debug)]
 struct Accessor {
     view: usize,
@@ -31,11 +31,11 @@ struct Accessor {
     bounds: String,
 }
 
-/// What a mesh of the file is made of.
+/// Elements of a mesh of the file.
 #[derive(Debug)]
 pub(super) struct Geometry {
     pub(super) primitives: Vec<Primitive>,
-    /// What its positions are rounded to.
+    /// Step to which its positions are rounded.
     pub(super) grid: Option<Grid>,
 }
 

@@ -11,7 +11,7 @@ use crate::export::pool::Pool;
 use crate::surface::{Instance, Mesh, Part, Scene, Transform};
 use std::collections::BTreeMap;
 
-/// What is written, with everything in it named by its index.
+/// Contents of the file, with everything in it named by its index.
 pub(super) struct Document<'a> {
     options: GlbOptions,
     buffer: Buffer<'a>,
@@ -28,7 +28,7 @@ pub(super) struct Document<'a> {
     known: Known<'a>,
 }
 
-/// What is in the file already.
+/// Entries that are in the file already.
 struct Known<'a> {
     meshes: Pool<'a, Mesh>,
     copies: Pool<'a, [Instance]>,
@@ -162,7 +162,7 @@ impl<'a> Document<'a> {
         Ok(document.finished())
     }
 
-    /// What takes the chosen origin to zero.
+    /// Offset that takes the chosen origin to zero.
     fn home(&self) -> Transform {
         // Minus zero would be another number.
         Transform::at(glam::Vec3::ZERO - self.options.origin)
@@ -267,7 +267,7 @@ impl<'a> Document<'a> {
         })
     }
 
-    /// What takes a rounded mesh back to its size.
+    /// Transform that takes a rounded mesh back to its size.
     fn scaled(&self, geometry: usize) -> Transform {
         self.geometries[geometry].grid.map_or(Transform::IDENTITY, Grid::transform)
     }
@@ -355,7 +355,7 @@ fn shown_at(name: &str, mesh: usize, transform: Transform, whole: bool) -> Strin
     format!(r#"{{"name":{},"mesh":{mesh}{}"#, escaped(name), placed(transform, whole))
 }
 
-/// Where a node is: all three, or what changes something.
+/// Position of a node: all three coordinates, or what changes something.
 fn placed(transform: Transform, whole: bool) -> String {
     let Transform { position, rotation, scale } = transform;
     let mut text = String::new();

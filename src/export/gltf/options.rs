@@ -5,7 +5,7 @@ use crate::ParameterError;
 use crate::surface::Material;
 use glam::Vec3;
 
-/// How a glTF file says that a mesh stands in many places.
+/// Form of a mesh with many copies in a glTF file.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 #[cfg_attr(
     feature = "serde",
@@ -26,7 +26,7 @@ pub enum Instancing {
     Nodes,
 }
 
-/// How a glTF file has the levels of [`write_glb_levels`](super::write_glb_levels).
+/// Form of the levels of [`write_glb_levels`](super::write_glb_levels) in a glTF file.
 ///
 /// For a file each, write each level by [`write_glb_parts`](super::write_glb_parts).
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -45,7 +45,7 @@ pub enum LevelNodes {
     Named,
 }
 
-/// What a glTF file says besides the triangles.
+/// Contents of a glTF file besides the triangles.
 ///
 /// glTF fixes the axes and the unit (+Y up, metres), so there is no choice of these; other formats have
 /// [`Axes`](crate::export::Axes).
@@ -114,19 +114,19 @@ impl GlbOptions {
         self
     }
 
-    /// How the mesh that [`write_glb`](super::write_glb) is given looks; default [`Material::bark`]. Parts bring their own.
+    /// Material of the mesh that [`write_glb`](super::write_glb) is given; default [`Material::bark`]. Parts bring their own.
     pub fn with_material(mut self, material: Material) -> Self {
         self.material = material;
         self
     }
 
-    /// How instances are written; default [`Instancing::Merged`].
+    /// Form of instances; default [`Instancing::Merged`].
     pub fn with_instancing(mut self, instancing: Instancing) -> Self {
         self.instancing = instancing;
         self
     }
 
-    /// How levels are written; default [`LevelNodes::Extension`].
+    /// Form of levels; default [`LevelNodes::Extension`].
     pub fn with_levels(mut self, levels: LevelNodes) -> Self {
         self.levels = levels;
         self
@@ -156,7 +156,7 @@ impl GlbOptions {
         self
     }
 
-    /// How the [`Wind`](crate::surface::Wind) of vertices is written, if they have it; default [`WindEncoding::Attributes`].
+    /// Encoding of the vertices' [`Wind`](crate::surface::Wind), if they have it; default [`WindEncoding::Attributes`].
     pub fn with_wind(mut self, encoding: WindEncoding) -> Self {
         self.wind = encoding;
         self

@@ -3,7 +3,7 @@
 use crate::surface::{Mesh, Wind};
 use glam::Vec3;
 
-/// How a glTF file carries the [`Wind`] of its vertices.
+/// Encoding of the vertices' [`Wind`] in a glTF file.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 #[cfg_attr(
     feature = "serde",
@@ -25,7 +25,7 @@ pub enum WindEncoding {
     None,
 }
 
-/// What of the wind an attribute has.
+/// Part of the wind that an attribute holds.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Column {
     Moment(usize),

@@ -84,7 +84,7 @@ impl Write for Sum {
 #[derive(Debug)]
 pub(super) struct Archive {
     files: Vec<Entry>,
-    /// Where the list of files begins.
+    /// Offset of the list of files.
     list: u32,
 }
 
@@ -177,7 +177,7 @@ impl Archive {
 }
 
 impl Entry {
-    /// What both headers have in common.
+    /// Fields that both headers share.
     fn write(&self, writer: &mut impl Write) -> io::Result<()> {
         // Version, flags, method, time, day.
         for word in [VERSION, 0, 0, 0, DAY] {

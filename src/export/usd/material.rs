@@ -5,7 +5,7 @@ use crate::export::worn::{self, Textures};
 use crate::surface::{Instance, Material, Part};
 use std::io::{self, Write};
 
-/// How a part looks; parts with the same look share a material.
+/// Look of a part; parts with the same look share a material.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Look {
     /// Of the part.

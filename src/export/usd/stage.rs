@@ -27,7 +27,7 @@ pub(super) struct Layer<'s, 'a> {
 /// Parts with their numbers among all.
 type Tree<'a> = Vec<(usize, Part<'a>)>;
 
-/// What two parts have in common if they are the same.
+/// Key by which equal parts are found.
 #[derive(PartialEq)]
 struct Gist {
     mesh: usize,

@@ -58,7 +58,7 @@ pub enum GridFieldError {
     Count {
         /// The product of the dimensions.
         expected: usize,
-        /// How many vectors were given.
+        /// Number of vectors given.
         count: usize,
     },
     /// A sample that is NaN, infinite or too large.
@@ -74,7 +74,7 @@ pub enum GridFieldError {
     Line {
         /// The line, from 1.
         line: usize,
-        /// What is wrong.
+        /// Description of the fault.
         message: String,
     },
     /// The binary part of a file is not what it has to be.
@@ -82,7 +82,7 @@ pub enum GridFieldError {
     Byte {
         /// The byte, from 0.
         byte: u64,
-        /// What is wrong.
+        /// Description of the fault.
         message: String,
     },
     /// The reader or the writer refused.
@@ -137,7 +137,7 @@ impl GridField {
         self
     }
 
-    /// Where sample (0, 0, 0) lies, metres.
+    /// Position of sample (0, 0, 0), metres.
     pub fn origin(&self) -> Vec3 {
         self.origin
     }

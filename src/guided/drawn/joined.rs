@@ -27,7 +27,7 @@ pub(super) struct Joined {
     depth: f32,
 }
 
-/// Where a stroke may start: on the internode of a node, at a share of the way from its parent.
+/// Possible start of a stroke: on the internode of a node, at a share of the way from its parent.
 #[derive(Debug, Clone, Copy)]
 struct Place {
     node: usize,

@@ -41,7 +41,7 @@ impl Canvas {
         Self::new(Vec3::ZERO, Vec3::NEG_Z, Vec3::Y)
     }
 
-    /// Where a point of the drawing is, metres.
+    /// Position of a point of the drawing, metres.
     pub fn point(&self, point: Vec2) -> Vec3 {
         self.base + self.right * point.x + self.up * point.y
     }
@@ -147,7 +147,7 @@ impl Stroke {
         self
     }
 
-    /// Where its points are, metres.
+    /// Positions of its points, metres.
     pub fn places(&self) -> Vec<Vec3> {
         match &self.line {
             Line::Space(points) => points.clone(),

@@ -33,7 +33,7 @@ pub struct AboveEachRoot {
 }
 
 impl AboveEachRoot {
-    /// So many metres above each root, finite and above 0.
+    /// Height above each root, metres, finite and above 0.
     pub fn new(height: f32) -> Self {
         Self { height }
     }

@@ -60,7 +60,7 @@ pub trait EndpointPolicy: Send + Sync {
         false
     }
 
-    /// Whether the options are in range; asked once, before synthesis starts.
+    /// Checks that the options are in range; called once, before synthesis starts.
     ///
     /// # Errors
     /// The first option that is not.
@@ -93,11 +93,11 @@ pub enum EndpointError {
     /// Fewer candidates than endpoints wanted.
     #[error("{wanted} endpoints are wanted, but only {available} candidate nodes are {place}")]
     TooFew {
-        /// How many are wanted.
+        /// Number wanted.
         wanted: usize,
-        /// How many there are.
+        /// Number present.
         available: usize,
-        /// Where candidates are looked for, e.g. "off the tree, in the shape and reachable".
+        /// Description of the candidates, e.g. "off the tree, in the shape and reachable".
         place: &'static str,
     },
     /// For policies outside of this crate: anything else.
@@ -105,7 +105,7 @@ pub enum EndpointError {
     Other(String),
 }
 
-/// How many endpoints (section 3.2.4).
+/// Number of endpoints (section 3.2.4).
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(
     feature = "serde",
@@ -116,7 +116,7 @@ pub enum EndpointError {
 pub enum Count {
     /// Exactly so many; an error if there are fewer candidates.
     Exactly(usize),
-    /// So many, or all candidates if they are fewer; at least one.
+    /// This number, or all candidates if they are fewer; at least one.
     UpTo(usize),
     /// This share of the candidates, in (0, 1], rounded up.
     Share(f32),
@@ -150,7 +150,7 @@ impl Count {
     }
 }
 
-/// What a policy sees: the graph, the tree so far, and the search if there was one.
+/// View that a policy has: the graph, the tree so far, and the search if there was one.
 #[derive(Debug, Clone, Copy)]
 pub struct StageView<'a> {
     pub(super) search: &'a Search<'a>,
@@ -159,7 +159,7 @@ pub struct StageView<'a> {
 }
 
 impl<'a> StageView<'a> {
-    /// What a policy would see now, to try one with.
+    /// View that a policy would have now, to try one with.
     pub fn new(search: &'a Search<'a>, stage: usize, seed: u64) -> Self {
         Self { search, stage, seed }
     }

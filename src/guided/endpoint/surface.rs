@@ -55,7 +55,7 @@ pub(super) struct Surface {
     pub(super) hop_length: Option<f32>,
 }
 
-/// How far a node is from the nearest source, in hops.
+/// Distance of a node from the nearest source, in hops.
 #[derive(Clone, Copy)]
 struct Distance {
     whole: f32,
@@ -242,7 +242,7 @@ impl Surface {
         ranked.into_iter().map(|(_, _, node)| node).collect()
     }
 
-    /// What of the surface endpoints are drawn from.
+    /// Part of the surface from which endpoints are drawn.
     pub(super) fn candidates(&self, view: &StageView<'_>) -> Vec<u32> {
         let mut surface = self.outer_surface(view);
         if let Some(side) = self.side {

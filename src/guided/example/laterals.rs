@@ -54,7 +54,7 @@ impl LateralsLike {
         self.models.get(random.random_range(low..=high))
     }
 
-    /// Where the laterals of one branch end.
+    /// Ends of the laterals of one branch.
     fn targets(&self, axis: &Axis, random: &mut ChaCha8Rng, targets: &mut Vec<Vec3>) {
         let Some(model) = self.model(axis.length(), random) else { return };
         let scale = (axis.length() / model.length.max(1e-6)).clamp(0.5, 2.0);
@@ -153,7 +153,7 @@ pub(super) struct FromOrder {
     pub(super) order: u16,
     /// Metres of a branch, from its base, that bear nothing.
     pub(super) clear: f32,
-    /// What a wrong base costs, as metres across the guiding vector do.
+    /// Cost of a wrong base, as of metres across the guiding vector.
     pub(super) price: f32,
 }
 

@@ -9,7 +9,7 @@ use glam::Vec3;
 /// A lateral of a branch.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Lateral {
-    /// Where it leaves its parent branch, as a share of that one's length.
+    /// Position of its base along its parent branch, as a share of that one's length.
     pub(super) share: f32,
     /// From its base to its tip, metres: along the parent branch, up and sideways; of the trunk's laterals in the
     /// world's axes.
@@ -23,11 +23,11 @@ pub(super) struct Model {
     pub(super) laterals: Vec<Lateral>,
 }
 
-/// What the branches of one order are like.
+/// Traits of the branches of one order.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub struct OrderTraits {
-    /// How many there are.
+    /// Number present.
     pub count: usize,
     /// Mean length along them, metres.
     pub length: f32,
@@ -82,7 +82,7 @@ pub(super) fn models(skeleton: &Skeleton) -> Vec<Vec<Model>> {
     models
 }
 
-/// By order.
+/// Indexed by order.
 pub(super) fn traits(skeleton: &Skeleton, models: &[Vec<Model>]) -> Vec<OrderTraits> {
     // A reach of 0 is always in range.
     let angles = branch_angles(skeleton, 0.0).unwrap_or_default();
@@ -134,7 +134,7 @@ pub(super) fn chord_angles(models: &[Model]) -> [f32; 2] {
     [mean, spread]
 }
 
-/// How far a crown reaches at each height, from the trunk base.
+/// Reach of a crown at each height, from the trunk base.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Crown {
     pub(super) base: Vec3,

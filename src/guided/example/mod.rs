@@ -26,7 +26,7 @@ use radii::TipShare;
 use redraw::Redraw;
 use std::sync::Arc;
 
-/// What a tree is like, measured on a skeleton, and a [`TreeSynth`] that grows more of its kind.
+/// Traits of a tree, measured on a skeleton, and a [`TreeSynth`] that grows more of its kind.
 ///
 /// Measured are, order by order, how branches are spaced along their parent branches, the angles at which they leave, how
 /// they bend, how long they are and where they end; the trunk's length, waywardness, clear bole and diameter; the
@@ -70,10 +70,10 @@ pub struct Example {
     tuning: Tuning,
 }
 
-/// What makes up for the graph.
+/// Correction for the graph.
 #[derive(Debug, Clone, PartialEq)]
 struct Tuning {
-    /// By order of the laterals, from 1.
+    /// Indexed by the laterals' order, from 1.
     rates: Vec<f32>,
     stretches: Vec<f32>,
     /// Of crown and limbs.
@@ -108,7 +108,7 @@ const FINE: f32 = 4.0;
 /// No number or length is corrected beyond these.
 const LEAST: f32 = 0.4;
 const MOST: f32 = 3.0;
-/// How far the first correction goes towards what was measured; later ones go less far.
+/// Share of the measured difference that the first correction takes; later ones take less.
 const DAMPING: f32 = 0.7;
 
 impl Example {
@@ -154,12 +154,12 @@ impl Example {
         })
     }
 
-    /// What branches of each order are like, the trunk first.
+    /// Traits of the branches of each order, the trunk first.
     pub fn orders(&self) -> &[OrderTraits] {
         &self.orders
     }
 
-    /// What the trunk is like.
+    /// Traits of the trunk.
     pub fn trunk(&self) -> TrunkTraits {
         self.trunk
     }

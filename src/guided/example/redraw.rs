@@ -28,7 +28,7 @@ pub(super) struct Redraw {
 struct Drawn {
     /// Its nodes and where they are, as shares of its length; the first is that of its parent branch.
     nodes: Vec<(u32, f32)>,
-    /// How it is turned.
+    /// Rotation.
     turn: Mat3,
 }
 
@@ -188,7 +188,7 @@ impl<'a> Line<'a> {
         Self { axis, base, turn, chord, kept, leaves }
     }
 
-    /// Where a share of its way is.
+    /// Point at a share of its way.
     fn at(&self, share: f32, is_first: bool) -> Vec3 {
         let axis = self.axis;
         let way = share * axis.length();

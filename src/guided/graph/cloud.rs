@@ -12,7 +12,7 @@ use glam::Vec3;
 use kiddo::{ImmutableKdTree, SquaredEuclidean};
 use std::num::NonZeroUsize;
 
-/// Which nodes edges lead to.
+/// Neighbours that a node's edges lead to.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(
     feature = "serde",
@@ -27,7 +27,7 @@ pub enum Edges {
     Yao(usize),
     /// The nearest node in each of so many equal wedges of the plane z = 0, in [3, 64].
     PlanarYao(usize),
-    /// So many nearest nodes, in [1, 64]. Unlike sectors they may all lie on one side, so that clusters of nodes
+    /// This number of nearest nodes, in [1, 64]. Unlike sectors they may all lie on one side, so that clusters of nodes
     /// stay unconnected.
     Nearest(usize),
 }
@@ -229,13 +229,13 @@ impl<S: Shape> Lattice<S> {
         Self { region, spacing, jitter: 0.5, edges: Edges::Yao(8) }
     }
 
-    /// How far a node may be moved along each axis, as a share of the half cell, in [0, 1).
+    /// Greatest move of a node along each axis, as a share of the half cell, in [0, 1).
     pub fn with_jitter(mut self, jitter: f32) -> Self {
         self.jitter = jitter;
         self
     }
 
-    /// Which nodes edges lead to. With [`Edges::PlanarYao`] only the layer z = 0 is filled, and not moved off it.
+    /// Neighbours of each node. With [`Edges::PlanarYao`] only the layer z = 0 is filled, and not moved off it.
     pub fn with_edges(mut self, edges: Edges) -> Self {
         self.edges = edges;
         self

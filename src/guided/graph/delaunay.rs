@@ -68,7 +68,7 @@ impl<S: Shape> PoissonDelaunay<S> {
         self
     }
 
-    /// Where the root is, metres; in the plane z = 0 of the region.
+    /// Position of the root, metres; in the plane z = 0 of the region.
     pub fn with_root(mut self, root: Vec3) -> Self {
         self.root = root;
         self

@@ -116,7 +116,7 @@ impl<S: Shape, F: SizingField> GradedYao<S, F> {
         self
     }
 
-    /// How much r may change along each axis, metres for a metre; in [0.001, 0.14].
+    /// Greatest change of r along each axis, metres per metre; in [0.001, 0.14].
     pub fn with_grading(mut self, grading: f32) -> Self {
         self.grading = grading;
         self.spacing = Once::default();
@@ -130,12 +130,12 @@ impl<S: Shape, F: SizingField> GradedYao<S, F> {
         self
     }
 
-    /// Where the root is, metres; it must lie in the region.
+    /// Position of the root, metres; it must lie in the region.
     pub fn with_root(self, root: Vec3) -> Self {
         self.with_roots([root])
     }
 
-    /// Where the roots of several trees are, metres: points of the region at least the spacing apart.
+    /// Positions of several trees' roots, metres: points of the region at least the spacing apart.
     /// [`TreeSynth::synthesize_all`](crate::TreeSynth::synthesize_all) grows a tree from each.
     pub fn with_roots(mut self, roots: impl Into<Vec<Vec3>>) -> Self {
         self.roots = Some(roots.into());
@@ -154,7 +154,7 @@ impl<S: Shape, F: SizingField> GradedYao<S, F> {
         self
     }
 
-    /// Where trees start.
+    /// Starting points of trees.
     fn all_roots(&self) -> Vec<Vec3> {
         match &self.roots {
             Some(roots) => roots.clone(),

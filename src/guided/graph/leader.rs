@@ -52,7 +52,7 @@ impl Leader {
         self
     }
 
-    /// Whether the options are in range.
+    /// Checks that the options are in range.
     ///
     /// # Errors
     /// The first that is not.
@@ -65,7 +65,7 @@ impl Leader {
         ParameterError::unless(fits, "Leader.waywardness", self.waywardness, "in [0, 0.5]")
     }
 
-    /// Where it starts, metres.
+    /// Starting point, metres.
     pub fn base(&self) -> Vec3 {
         self.base
     }

@@ -71,7 +71,7 @@ pub trait GraphBuilder: Send + Sync {
     /// Whatever keeps the graph from being built.
     fn build(&self, seed: u64, observer: &dyn Observer) -> Result<Graph, GraphError>;
 
-    /// Whether the options are in range.
+    /// Checks that the options are in range.
     ///
     /// # Errors
     /// The first option that is not.
@@ -137,7 +137,7 @@ pub enum GraphError {
     /// More nodes or edges than 32-bit indices can name.
     #[error("a graph has at most {} nodes and edges, this has {count}", u32::MAX)]
     TooLarge {
-        /// How many there are.
+        /// Number present.
         count: usize,
     },
     /// The root is not a node.
@@ -151,7 +151,7 @@ pub enum GraphError {
     /// The root lies outside of the region that the nodes are placed in.
     #[error("PoissonYao.root is {root}, outside of the region; with_root moves it")]
     RootOutside {
-        /// Where the root should be, metres.
+        /// Wanted position of the root, metres.
         root: Vec3,
     },
     /// NaN or an infinity in a position.
@@ -165,9 +165,9 @@ pub enum GraphError {
     /// An edge to or from a node that does not exist.
     #[error("edge {from} -> {to} leads to a node that does not exist: there are {nodes} nodes")]
     Dangling {
-        /// Where the edge starts.
+        /// First node of the edge.
         from: u32,
-        /// Where it ends.
+        /// Last node of the edge.
         to: u32,
         /// The number of nodes.
         nodes: usize,
@@ -181,19 +181,19 @@ pub enum GraphError {
     /// The same edge twice.
     #[error("edge {from} -> {to} is there twice")]
     Duplicate {
-        /// Where the edge starts.
+        /// First node of the edge.
         from: u32,
-        /// Where it ends.
+        /// Last node of the edge.
         to: u32,
     },
     /// An edge without length has no direction.
     #[error("edge {from} -> {to} has no length: both nodes are at {position}")]
     Coincident {
-        /// Where the edge starts.
+        /// First node of the edge.
         from: u32,
-        /// Where it ends.
+        /// Last node of the edge.
         to: u32,
-        /// Where both nodes are.
+        /// Position of both nodes.
         position: Vec3,
     },
     /// The observer cancelled the work.
@@ -329,7 +329,7 @@ impl Graph {
         &self.positions
     }
 
-    /// Where `node` is, metres.
+    /// Position of `node`, metres.
     ///
     /// # Panics
     /// When there is no such node.

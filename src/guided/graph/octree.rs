@@ -11,7 +11,7 @@ use glam::{IVec3, Vec3};
 /// The most cells along an axis of a tile, where the spacing lets it be divided.
 const CELLS: f32 = 20.0;
 
-/// Where nodes go. Options are in range.
+/// Plan of the nodes' places. Options are in range.
 pub(super) struct Octree<'a> {
     pub(super) region: &'a dyn Shape,
     pub(super) spacing: &'a Spacing,

@@ -49,7 +49,7 @@ impl Carried {
         self.add_tree(tree, &vectors, spacing);
     }
 
-    /// Where the roots are, metres.
+    /// Positions of the roots, metres.
     pub(in crate::guided) fn roots(&self) -> Vec<Vec3> {
         let is_root = |&(node, parent): &(u32, &u32)| node == *parent;
         let roots = (0u32..).zip(&self.tree.parents).filter(is_root);

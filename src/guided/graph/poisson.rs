@@ -130,12 +130,12 @@ impl<S: Shape> PoissonYao<S> {
         self
     }
 
-    /// Where the root is, metres; it must lie in the region.
+    /// Position of the root, metres; it must lie in the region.
     pub fn with_root(self, root: Vec3) -> Self {
         self.with_roots([root])
     }
 
-    /// Where the roots of several trees are, metres: points of the region at least the spacing apart.
+    /// Positions of several trees' roots, metres: points of the region at least the spacing apart.
     /// [`TreeSynth::synthesize_all`](crate::TreeSynth::synthesize_all) grows a tree from each.
     pub fn with_roots(mut self, roots: impl Into<Vec<Vec3>>) -> Self {
         self.roots = Some(roots.into());
@@ -175,7 +175,7 @@ impl<S: Shape> PoissonYao<S> {
         place_leaders(&self.leaders, self.roots.as_deref())
     }
 
-    /// Where trees start, those of [`with_tree`](Self::with_tree) last.
+    /// Starting points of trees, those of [`with_tree`](Self::with_tree) last.
     fn all_roots(&self) -> Vec<Vec3> {
         let mut roots = match &self.roots {
             Some(roots) => roots.clone(),
@@ -188,7 +188,7 @@ impl<S: Shape> PoissonYao<S> {
         roots
     }
 
-    /// What stands in the graph from the beginning.
+    /// Trees that stand in the graph from the beginning.
     fn planted(&self, spacing: f32, seed: u64) -> Result<Option<Carried>, GraphError> {
         if self.leaders.is_empty() && self.trees.is_empty() {
             return Ok(None);

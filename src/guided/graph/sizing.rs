@@ -1,4 +1,4 @@
-//! How far apart nodes should be, as a function of position.
+//! Wanted spacing of nodes, as a function of position.
 
 use super::once::Once;
 use super::scalars::Scalars;
@@ -46,7 +46,7 @@ pub trait SizingField: Send + Sync {
     /// The spacing at `point`, metres, unless the graph is asked for a number of nodes: then only ratios count.
     fn at(&self, point: Vec3) -> f32;
 
-    /// Whether the parameters make sense.
+    /// Checks that the parameters make sense.
     ///
     /// # Errors
     /// The first parameter out of its range, named `Type.field`.

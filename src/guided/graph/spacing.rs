@@ -37,7 +37,7 @@ impl Spacing {
 
 /// A sizing field on a lattice over a region's bounds.
 pub(super) struct Samples {
-    /// What the field says, not limited yet.
+    /// Values of the field, not limited yet.
     wanted: Scalars,
     /// The volume of the region that each point stands for, cubic metres.
     volumes: Vec<f32>,

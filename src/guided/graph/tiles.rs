@@ -15,7 +15,7 @@ const TRIES: u32 = 10;
 const HALO: i32 = 2;
 const NOWHERE: Vec3 = Vec3::INFINITY;
 
-/// What to place. Options are in range.
+/// Discs to place. Options are in range.
 pub(super) struct Discs<'a> {
     pub(super) region: &'a dyn Shape,
     /// Nodes that are there already, as near to each other as they like; the others keep away from them.

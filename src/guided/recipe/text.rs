@@ -14,7 +14,7 @@ pub enum RecipeError {
         line: usize,
         /// The field, as `stages[1].rule.bend.angle`; `recipe` for the whole.
         field: String,
-        /// What is wrong, and what would be right.
+        /// Fault found, and what would be right.
         reason: String,
     },
     /// A value out of its range, as the strategy itself says it.

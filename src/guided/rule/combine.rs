@@ -10,7 +10,7 @@ use std::sync::Arc;
 
 /// One rule for branches that start below a height, another for those above (figure 17 (b)).
 ///
-/// What counts is the height of the source above the root, so that a branch keeps its rule to the tip.
+/// The height of the source above the root counts, so that a branch keeps its rule to the tip.
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
 pub struct ByHeight<Below, Above> {

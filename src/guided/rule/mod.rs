@@ -1,4 +1,4 @@
-//! How guiding vectors turn along a branch (section 3.2.1).
+//! Rules by which guiding vectors turn along a branch (section 3.2.1).
 
 mod bend;
 mod combine;
@@ -55,7 +55,7 @@ pub trait GuidingRule: Send + Sync {
         source.vector
     }
 
-    /// Whether the options are in range; asked once, before synthesis starts.
+    /// Checks that the options are in range; called once, before synthesis starts.
     ///
     /// # Errors
     /// The first option that is not.

@@ -7,7 +7,7 @@ use crate::math::{Rotation, UP};
 use crate::random::{Purpose, unit};
 use glam::Vec3;
 
-/// What a rule knows of a node that has just been settled.
+/// View that a rule has of a node that has just been settled.
 #[must_use]
 #[derive(Debug, Clone, Copy)]
 #[non_exhaustive]
@@ -19,7 +19,7 @@ pub struct Step<'a> {
     pub node: u32,
     /// The node before it on its path.
     pub from: u32,
-    /// Where the node is, metres.
+    /// Position of the node, metres.
     pub position: Vec3,
     /// Unit vector along the edge to the node.
     pub edge: Vec3,
@@ -100,7 +100,7 @@ impl Step<'_> {
         self.context.parent(node)
     }
 
-    /// Where `node` is, metres.
+    /// Position of `node`, metres.
     ///
     /// # Panics
     /// When there is no such node.
@@ -108,7 +108,7 @@ impl Step<'_> {
         self.context.position(node)
     }
 
-    /// Where the root of the tree is, metres.
+    /// Position of the tree's root, metres.
     pub fn root(&self) -> Vec3 {
         self.context.root(self.source)
     }
@@ -143,7 +143,7 @@ pub struct Source<'a> {
     pub(in crate::guided) context: Context<'a>,
     /// The node.
     pub node: u32,
-    /// Where it is, metres.
+    /// Position, metres.
     pub position: Vec3,
     /// The unit guiding vector it has; up for the root of a new tree.
     pub vector: Vec3,
@@ -174,7 +174,7 @@ impl Source<'_> {
         self.context.tree(self.node)
     }
 
-    /// Where the root of the tree is, metres.
+    /// Position of the tree's root, metres.
     pub fn root(&self) -> Vec3 {
         self.context.root(self.node)
     }

@@ -18,9 +18,9 @@ pub struct Edge<'a> {
     pub from: u32,
     /// The node it leads to.
     pub to: u32,
-    /// Where it starts, metres.
+    /// Starting point, metres.
     pub start: Vec3,
-    /// Where it ends, metres.
+    /// End point, metres.
     pub end: Vec3,
     /// Unit vector along it.
     pub direction: Vec3,
@@ -141,7 +141,7 @@ impl Edge<'_> {
         self.context.fork(self.source)
     }
 
-    /// Where the root of the tree is, metres.
+    /// Position of the tree's root, metres.
     pub fn root(&self) -> Vec3 {
         self.context.root(self.source)
     }

@@ -57,7 +57,7 @@ pub trait WeightFn: Send + Sync {
         false
     }
 
-    /// Whether the options are in range; asked once, before synthesis starts.
+    /// Checks that the options are in range; called once, before synthesis starts.
     ///
     /// # Errors
     /// The first option that is not.

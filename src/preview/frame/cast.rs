@@ -35,7 +35,7 @@ impl Frame<'_> {
         }
     }
 
-    /// What is seen through a square of pixels.
+    /// View through a square of pixels.
     fn beam(&self, strip: &Strip, (left, top): (usize, usize), side: usize) -> Beam {
         let middle = |first: usize| (first * self.samples) as f32 + 0.5 * (side * self.samples) as f32;
         let ray = self.view.ray(middle(left), strip.top as f32 + middle(top));
@@ -106,7 +106,7 @@ fn is_alike(a: &Hit, b: &Hit) -> bool {
         && (a.color - b.color).abs().max_element() < PLAIN
 }
 
-/// What a sample sees of the solid.
+/// View of the solid by a sample.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Glimpse {
     /// The light that comes from it without the sun, and what a whole sun adds.

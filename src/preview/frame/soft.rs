@@ -16,10 +16,10 @@ pub(super) struct Texel {
     /// Its colour times what of it is covered, without `sun`.
     pub(super) color: Vec3,
     pub(super) covered: f32,
-    /// What a whole sun adds.
+    /// Light that a whole sun adds.
     pub(super) sun: Vec3,
     pub(super) light: Sunlight,
-    /// Where it is seen, with which normal, and the side of a pixel there.
+    /// Point that is seen, its normal, and the side of a pixel there.
     pub(super) point: Vec3,
     pub(super) normal: Vec3,
     pub(super) pixel: f32,

@@ -9,7 +9,7 @@ pub(super) const NOTHING: u32 = u32::MAX;
 pub(super) const SOLID: u32 = u32::MAX - 1;
 /// Part of a pixel over which something thin passes on into the next one.
 const SOFTNESS: f32 = 0.75;
-/// How far from a crack solid samples are looked for, in samples.
+/// Distance from a crack within which solid samples are looked for, in samples.
 const WIDEST_CRACK: isize = 4;
 
 /// A sample that only a thin triangle covers.
@@ -31,11 +31,11 @@ pub(super) struct Strip {
     pub(super) facets: Vec<u32>,
     /// Nearness of all triangles.
     pub(super) nearest: Vec<f32>,
-    /// What is thin, a pixel: colour times coverage, and coverage.
+    /// Thin parts, per pixel: colour times coverage, and coverage.
     pub(super) over: Vec<(Vec3, f32)>,
     /// Pixels in a row.
     pub(super) width: usize,
-    /// What is seen of the solid, where it is nearest; empty without one.
+    /// Visible points of the solid, where it is nearest; empty without one.
     pub(super) seen: Vec<Glimpse>,
 }
 

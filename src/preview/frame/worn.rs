@@ -13,7 +13,7 @@ impl Frame<'_> {
         Some(cut.on(self.places(facet), self.view.is_perspective()))
     }
 
-    /// What a facet's images show at a place of the picture; `None` if it wears none.
+    /// Look of a facet by its images at a place of the picture; `None` if it has none.
     pub(super) fn worn(
         &self,
         facet: Facet,
@@ -27,7 +27,7 @@ impl Frame<'_> {
         Some(self.surface(facet, weights, point, wear, &footprint))
     }
 
-    /// What a facet's images show on the whole of it.
+    /// Mean look of a facet by its images.
     pub(super) fn worn_middle(&self, facet: Facet, point: Vec3) -> Option<Surface> {
         let wear = self.parts[facet.part as usize].wear()?;
         Some(self.surface(facet, MIDDLE, point, wear, &self.flat(facet).whole()))

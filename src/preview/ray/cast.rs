@@ -12,7 +12,7 @@ const SUN_SLOPE: f32 = 0.01;
 /// Off the surface by this part of a pixel, so that it does not shade itself.
 const BIAS: f32 = 0.05;
 
-/// Where the eye meets a surface.
+/// Point at which the eye meets a surface.
 #[derive(Debug, Clone, Copy)]
 pub(in super::super) struct Hit {
     pub(in super::super) point: Vec3,
@@ -55,7 +55,7 @@ impl Sunbeams {
     }
 }
 
-/// What comes of the sun's light.
+/// Sunlight that is left.
 #[derive(Debug, Clone, Copy)]
 pub(in super::super) struct Sunlight {
     /// The part of the sun that is seen, 0 to 1.
@@ -76,7 +76,7 @@ pub(in super::super) trait Cast: Sync {
     /// How much of the sun in the direction `sun` is seen from a point of a surface.
     fn sunlight(&self, point: Vec3, normal: Vec3, sun: Vec3, beams: Sunbeams) -> Sunlight;
 
-    /// Where a ray enters and leaves the solid, and the normals there.
+    /// Points where a ray enters and leaves the solid, and the normals there.
     fn passages(&self, ray: &Ray) -> Vec<(Vec3, Vec3)>;
 
     /// Whether more memory was needed than was allowed: all answers may be wrong then.
@@ -137,7 +137,7 @@ impl<S: Solid> Cast for Octree<'_, S> {
 }
 
 impl<S: Solid> Octree<'_, S> {
-    /// What a ray through these cubes meets first.
+    /// First thing that a ray through these cubes meets.
     pub(super) fn hit<'o>(&'o self, among: &[Entry<'o, S::Part>], ray: &'o Ray) -> Option<Hit> {
         let mut hit = None;
         self.crossings(among, ray, |crossing| {

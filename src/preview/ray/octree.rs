@@ -55,7 +55,7 @@ impl Cube {
     }
 }
 
-/// What is known of a cube.
+/// Knowledge of a cube.
 pub(super) enum Node<P> {
     Outside,
     Inside,

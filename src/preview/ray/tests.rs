@@ -243,7 +243,7 @@ fn it_can_be_watched_and_stopped() {
     assert!(matches!(caster.cast(&one(BALL), &[], &stop), Err(PreviewError::Cancelled)));
 }
 
-/// Where a ray first meets a mesh, one triangle after the other.
+/// First point at which a ray meets a mesh, tried one triangle after the other.
 fn nearest(mesh: &Mesh, ray: &Ray) -> Option<f32> {
     let triangles = mesh.triangles().map(|corners| corners.map(|corner| mesh.positions[corner as usize]));
     let meets = triangles.filter_map(|[a, b, c]| {

@@ -23,7 +23,7 @@ pub(in super::super) struct Ray {
     pub(in super::super) to: f32,
 }
 
-/// Where a ray enters or leaves the solid.
+/// Point where a ray enters or leaves the solid.
 pub(super) struct Crossing<'a, P> {
     /// Metres along the ray, on the outer side of the surface.
     pub(super) t: f32,

@@ -1,4 +1,4 @@
-//! How often a closed surface winds around a point, exactly and at once.
+//! Winding number of a closed surface around a point, exact and at once.
 //!
 //! A lattice of cells, each with the triangles that reach into it and the winding number at a point of its own. From that
 //! point to another in the cell the number changes by one at each triangle that is crossed on the way, so long as the surface
@@ -20,7 +20,7 @@ const MOST_ALONG: f32 = 400.0;
 const REACH: usize = 64;
 const REACH_MORE: usize = 1 << 20;
 
-/// Where in a cell its own point lies; not in the middle, where faces of models lie.
+/// Position of a cell's own point; not in the middle, where faces of models lie.
 const WITHIN: DVec3 = DVec3::new(0.487_13, 0.527_31, 0.511_97);
 
 /// A lattice over a closed surface.
@@ -30,7 +30,7 @@ pub(super) struct Cells {
     /// Sides of a cell.
     sides: DVec3,
     counts: [usize; 3],
-    /// Where the triangles of each cell begin in `reaching`, and where the last ones end.
+    /// Index in `reaching` of the first triangle of each cell, and the end.
     starts: Vec<u32>,
     reaching: Vec<u32>,
     /// The winding number at the point of each cell.
@@ -182,7 +182,7 @@ impl Cells {
     }
 }
 
-/// By how much the winding number changes on the way between two points that differ along one axis alone, at a triangle.
+/// Change of the winding number at a triangle on the way between two points that differ along one axis alone.
 ///
 /// Of triangles that share a side exactly one is crossed where the way meets the side, since both ask the same of it; and of
 /// two ways that meet in a point exactly one crosses a triangle there.

@@ -23,7 +23,7 @@ use self::winding::{Winding, area_vector};
 use super::{Bounds, Shape, check_fit};
 use crate::ParameterError;
 
-/// What a surface of triangles encloses: a model as the shape of a crown.
+/// Volume inside a surface of triangles: a model as the shape of a crown.
 ///
 /// A point is inside where the surface winds around it, by the generalized winding number of Jacobson and others 2013
 /// above a half. On the surface itself either answer may come. Unlike the other shapes it is checked where it is made,
@@ -69,7 +69,7 @@ struct Solid {
     areas: Vec<f64>,
 }
 
-/// What is wrong with a surface that can be used all the same.
+/// Flaw of a surface that can be used all the same.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 #[non_exhaustive]
 pub struct Flaws {
@@ -258,7 +258,7 @@ impl TriangleMesh {
         Ok(fitted)
     }
 
-    /// What was wrong with the triangles, and was put right or put up with.
+    /// Flaws of the triangles that were mended or tolerated.
     pub fn flaws(&self) -> Flaws {
         self.solid.flaws
     }

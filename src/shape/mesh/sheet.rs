@@ -64,7 +64,7 @@ pub(super) fn single(triangles: &mut Vec<[u32; 3]>, flaws: &mut Flaws) {
     }
 }
 
-/// Which triangles hang together.
+/// Connected components of triangles.
 struct Groups {
     parents: Vec<u32>,
 }

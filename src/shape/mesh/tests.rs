@@ -205,7 +205,7 @@ proptest! {
     }
 }
 
-/// What the crate writes it reads.
+/// The crate reads what it writes.
 #[cfg(feature = "import")]
 #[test]
 fn files_become_solids() -> Result<(), Box<dyn std::error::Error>> {

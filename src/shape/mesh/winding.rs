@@ -1,4 +1,4 @@
-//! How often a surface winds around a point.
+//! Winding number of a surface around a point.
 //!
 //! Jacobson and others 2013, "Robust inside-outside segmentation using generalized winding numbers"; the hierarchy
 //! after Barill and others 2018, "Fast winding numbers for soups and clouds".
@@ -88,7 +88,7 @@ impl Winding {
     }
 }
 
-/// What a node is made of, summed in an order that is the same everywhere.
+/// Terms of a node, summed in an order that is the same everywhere.
 #[derive(Clone, Copy)]
 struct Sums {
     pole: Vec3,
@@ -150,7 +150,7 @@ fn build(triangles: &mut [[Vec3; 3]], start: usize, end: usize, nodes: &mut Vec<
     sums
 }
 
-/// Which of two triangles with one centroid comes first is the same everywhere.
+/// The order of two triangles with one centroid is the same everywhere.
 fn key(triangle: &[Vec3; 3]) -> [[u32; 3]; 3] {
     triangle.map(|corner| corner.to_array().map(f32::to_bits))
 }

@@ -9,7 +9,7 @@ use smallvec::SmallVec;
 /// From this value on, the second greatest field is felt in full.
 const MEETING: f32 = 0.45;
 
-/// How [generalized bounded blending](super::BlobTreeBuilder::bounded) joins its parts.
+/// Joint of parts by [generalized bounded blending](super::BlobTreeBuilder::bounded).
 #[must_use]
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]

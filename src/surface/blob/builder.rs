@@ -26,7 +26,7 @@ pub struct Node {
 /// Tells builders apart.
 static BUILDERS: AtomicU32 = AtomicU32::new(0);
 
-/// What a node is before its parts are in order.
+/// Node before its parts are in order.
 #[derive(Debug, Clone, Copy)]
 pub(super) enum Draft {
     Leaf(u32),
@@ -344,7 +344,7 @@ impl Draft {
         }
     }
 
-    /// What is evaluated once the parts are; `None` for what only changes where its parts are.
+    /// Operator that is evaluated after its parts; `None` for one that only moves its parts.
     pub(super) fn kind(&self, leaf: u32) -> Option<Kind> {
         match *self {
             Self::Leaf(_) => Some(Kind::Leaf(leaf)),

@@ -15,9 +15,9 @@ pub enum BlobError {
     TooFewParts {
         /// The operator.
         operator: &'static str,
-        /// How many it needs.
+        /// Number needed.
         least: usize,
-        /// How many it got.
+        /// Number given.
         parts: usize,
     },
     /// A node of another builder.
@@ -50,7 +50,7 @@ pub enum BlobError {
     /// Farther out than can be computed with.
     #[error("the BlobTree reaches from {} to {}, but at most 4e9 m out can be computed with", bounds.min, bounds.max)]
     TooFar {
-        /// Where anything is felt, metres.
+        /// Box in which anything is felt, metres.
         bounds: Bounds,
     },
     /// More nodes than 32-bit numbers can name.

@@ -1,4 +1,4 @@
-//! How a primitive's field falls with the distance from its skeleton.
+//! Fall of a primitive's field with the distance from its skeleton.
 
 use crate::ParameterError;
 
@@ -52,7 +52,7 @@ impl Default for FieldFunction {
 }
 
 impl FieldFunction {
-    /// How far the field reaches, in radii.
+    /// Reach of the field, in radii.
     pub fn reach(self) -> f32 {
         match self {
             Self::Smooth { width } => 1.0 + width,
@@ -61,7 +61,7 @@ impl FieldFunction {
         }
     }
 
-    /// Where the field begins to fall, in radii.
+    /// Distance at which the field begins to fall, in radii.
     pub(super) fn plateau(self) -> f32 {
         match self {
             Self::Smooth { width } => 1.0 - width,

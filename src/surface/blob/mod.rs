@@ -78,7 +78,7 @@ impl BlobTree {
         self.scene.color(self.scene.near(point).into_iter().rev(), point)
     }
 
-    /// What counts within a box, metres. All of it, if the box is that of the [whole](Self::bounds).
+    /// Part that counts within a box, metres. All of it, if the box is that of the [whole](Self::bounds).
     pub fn part(&self, within: Bounds) -> BlobPart {
         self.prune(None, within).0
     }

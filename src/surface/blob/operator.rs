@@ -1,11 +1,11 @@
-//! How the fields of several parts become one.
+//! Operator that joins the fields of several parts.
 
 use super::field::ISO;
 use super::jet::Jet;
 use super::primitive::Range;
 use crate::{Bounds, ParameterError, math};
 
-/// How far around a solid another one yields to it: what precise contact modelling needs.
+/// Distance around a solid within which another one yields to it, for precise contact modelling.
 ///
 /// Where a solid F₂ presses on F₁, F₁ becomes F₁ + G(½ - F₂), with G(u) = u within F₂ (u below 0): so both have the value 1/2
 /// where F₁ = F₂, which is the contact surface. Around F₂, where its field is felt less, F₁ bulges by
@@ -30,7 +30,7 @@ impl Default for Contact {
 }
 
 impl Contact {
-    /// By how much the other solid's field may have fallen below 1/2 where a solid still bulges, 0.01 to 1/2; default 1/2.
+    /// Fall of the other solid's field below 1/2 within which a solid still bulges, 0.01 to 1/2; default 1/2.
     pub fn with_reach(mut self, reach: f32) -> Self {
         self.reach = reach;
         self
@@ -140,7 +140,7 @@ impl Operator {
         }
     }
 
-    /// How many parts it needs.
+    /// Number of parts needed.
     pub(super) fn least_parts(self) -> usize {
         match self {
             Self::Difference | Self::Contact(_) | Self::Pressed(_) => 2,
@@ -163,7 +163,7 @@ impl Operator {
         matches!(self, Self::Contact(_) | Self::Pressed(_))
     }
 
-    /// Where the whole is felt, from where the parts are.
+    /// Region where the whole is felt, from those of the parts.
     pub(super) fn bounds(self, parts: &[Bounds]) -> Bounds {
         let bounds = parts.iter().copied();
         match self {
@@ -202,7 +202,7 @@ impl Operator {
         }
     }
 
-    /// What is known of the whole from what is known of the parts.
+    /// Knowledge of the whole from that of the parts.
     pub(super) fn range(self, parts: &[Range]) -> Range {
         let most = |f: fn(&Range) -> f32| parts.iter().map(f).fold(0.0, f32::max);
         let slope = most(|part| part.slope);

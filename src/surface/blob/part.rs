@@ -17,7 +17,7 @@ const CREASE: f32 = 0.25;
 /// A bounding field up to this makes no feature to speak of.
 const FAINT: f32 = 0.05;
 
-/// What counts of a [`BlobTree`] within a box: fast to evaluate at many points of it, and the same there to the bit.
+/// Part of a [`BlobTree`] that counts within a box: fast to evaluate at many points of it, and the same there to the bit.
 ///
 /// Outside of the box its values mean nothing.
 #[derive(Debug, Clone)]
@@ -109,14 +109,14 @@ impl Solid for BlobTree {
     }
 }
 
-/// What becomes of a step.
+/// Pruned form of a step.
 #[derive(Debug, Clone, Copy)]
 struct Fate {
     /// The first of the steps that make its part.
     start: u32,
     range: Range,
     detail: f32,
-    /// What is done in its place; `None` if its only part of note does for it.
+    /// Its replacement; `None` if its only part that counts does for it.
     step: Option<Kind>,
     /// Whether what it is a part of needs it.
     needed: bool,
@@ -130,7 +130,7 @@ impl Fate {
 }
 
 impl BlobTree {
-    /// What counts in a box, and what values there may be.
+    /// Part that counts in a box, and the bounds of its values.
     pub(super) fn prune(&self, of: Option<&BlobPart>, cube: Bounds) -> (BlobPart, Range) {
         let scene = &self.scene;
         let mut gathered = Vec::new();
@@ -204,7 +204,7 @@ fn survivors(fates: &mut [Fate]) -> Box<[Kind]> {
 }
 
 impl Scene {
-    /// What becomes of an operator; marks the parts it needs.
+    /// Pruned form of an operator; marks the parts it needs.
     fn combined(&self, number: u32, start: u32, parts: &[u32], fates: &mut [Fate]) -> Fate {
         let operator = self.operators[number as usize];
         let ranges: SmallVec<[Range; 8]> = parts.iter().map(|&part| fates[part as usize].range).collect();
@@ -244,7 +244,7 @@ impl Scene {
         Fate { start, range, detail, step, needed: false }
     }
 
-    /// What becomes of a bounded blend; marks the parts it needs.
+    /// Pruned form of a bounded blend; marks the parts it needs.
     fn bounded(&self, number: u32, start: u32, parts: &[u32], fates: &mut [Fate]) -> Fate {
         let style = &self.styles[number as usize];
         let (&field, parts) = parts.split_last().unwrap_or((&0, parts));

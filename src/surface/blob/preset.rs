@@ -13,9 +13,9 @@ pub struct BlobPreset {
     pub name: &'static str,
     /// The figure's number in the paper.
     pub figure: u8,
-    /// What it shows.
+    /// One line that says what is seen.
     pub caption: &'static str,
-    /// What a picture of it shows, metres.
+    /// Box that a picture of it shows, metres.
     pub view: Bounds,
     scene: Scene,
 }
@@ -62,7 +62,7 @@ pub fn by_name(name: &str) -> Option<BlobPreset> {
 }
 
 impl BlobPreset {
-    /// What the picture shows.
+    /// Content of the picture.
     ///
     /// # Errors
     /// None that is known.
@@ -108,7 +108,7 @@ fn lines(builder: &mut BlobTreeBuilder) -> Result<[super::Node; 2], BlobError> {
 pub fn fork(years: f32) -> Result<Skeleton, SkeletonError> {
     const STEP: f32 = 0.02;
     const FOOT: f32 = 0.2;
-    /// Where the first shoot ends, and the lateral springs.
+    /// End of the first shoot, where the lateral springs.
     const END: usize = 8;
     const LATERAL: u32 = 7;
     const NODES: usize = 21;

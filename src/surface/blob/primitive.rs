@@ -97,16 +97,16 @@ pub(super) struct Leaf {
     /// One over the square of the length, or 0 where there is none.
     inverse: f32,
     radius: f32,
-    /// By what share of it the radius grows along the way.
+    /// Growth of the radius along the way, as a share of it.
     growth: f32,
     field: FieldFunction,
     strength: f32,
     pub(super) color: [f32; 3],
-    /// Which affine warp takes points into its space; 0 is none.
+    /// Number of the affine warp that takes points into its space; 0 is none.
     pub(super) warp: u32,
 }
 
-/// What is known of a field in a cube.
+/// Knowledge of a field in a cube.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Range {
     pub(super) least: f32,
@@ -224,13 +224,13 @@ impl Leaf {
         (self.strength * value, direction * (self.strength * slope))
     }
 
-    /// Where it may be felt along a passage in its own space.
+    /// Part of a passage, in its own space, where it may be felt.
     #[cfg_attr(not(feature = "preview"), allow(dead_code, reason = "only rays ask"))]
     pub(super) fn span(&self, passage: &Passage) -> Option<Span> {
         passage.near(self.from, self.way, self.inverse, self.thickest() * self.field.reach())
     }
 
-    /// What its values may be within `reach` metres of a point, all in its own space; and the least radius there.
+    /// Bounds of its values within `reach` metres of a point, all in its own space; and the least radius there.
     #[inline]
     pub(super) fn range(&self, point: Vec3, reach: f32) -> (Range, f32) {
         let offset = point - self.from;

@@ -280,7 +280,7 @@ impl Scene {
         stack.pop().map_or([0.0; 3], |part| part.1)
     }
 
-    /// What a leaf's values may be within `reach` metres of a point, and the least radius there, metres.
+    /// Bounds of a leaf's values within `reach` metres of a point, and the least radius there, metres.
     pub(super) fn range(&self, leaf: u32, point: Vec3, reach: f32) -> (Range, f32) {
         let leaf = &self.leaves[leaf as usize];
         if leaf.warp == 0 {
@@ -293,7 +293,7 @@ impl Scene {
         (Range { slope: range.slope * warp.stretch, ..range }, thin / warp.stretch)
     }
 
-    /// Where a leaf may be felt along a passage.
+    /// Part of a passage where a leaf may be felt.
     #[cfg_attr(not(feature = "preview"), allow(dead_code, reason = "only rays ask"))]
     pub(super) fn span(&self, leaf: u32, passage: &Passage) -> Option<Span> {
         let leaf = &self.leaves[leaf as usize];

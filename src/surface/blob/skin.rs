@@ -11,7 +11,7 @@ use glam::Vec3;
 const FAINTEST: f32 = 0.01;
 /// The least sine of the angle between a lateral and its bearer that is told from 0.
 const LEAST_SINE: f32 = 0.35;
-/// By how much fields half a radius wide may fall where bark bulges, times that half.
+/// Greatest fall of fields half a radius wide where bark bulges, times that half.
 const NARROW: f32 = 0.25;
 
 /// The skin of a whole tree as a [`BlobTree`]: section 3.2 of Galbraith, Mündermann and Wyvill 2004.
@@ -100,7 +100,7 @@ impl Skin {
         self
     }
 
-    /// How high bark rises where it meets, 0 to 3; default 2; see [`Contact::with_bulge`].
+    /// Height of the bark ridge where barks meet, 0 to 3; default 2; see [`Contact::with_bulge`].
     pub fn with_bulge(mut self, bulge: f32) -> Self {
         self.bulge = bulge;
         self
@@ -224,7 +224,7 @@ fn bearers(skeleton: &Skeleton, branches: &Branches) -> Vec<Option<(usize, usize
     branches.iter().enumerate().map(bearer).collect()
 }
 
-/// Where and how a lateral leaves its bearer.
+/// Place and direction in which a lateral leaves its parent branch.
 struct Spring {
     /// The node on the bearer's axis, and the lateral's first own.
     foot: Vec3,
@@ -370,7 +370,7 @@ impl Tailor<'_> {
         self.builder.bounded([bearer, lateral], style, field)
     }
 
-    /// Where an axis goes on at its i-th node, or comes from at its tip.
+    /// Direction in which an axis goes on at its i-th node, or comes from at its tip.
     fn direction(&self, axis: &[u32], i: usize) -> Option<Vec3> {
         let [from, to] = [axis[i.saturating_sub(1)], axis[(i + 1).min(axis.len() - 1)]];
         (self.position(to) - self.position(from)).try_normalize()

@@ -6,7 +6,7 @@ use crate::surface::implicit::span::Passage;
 use glam::{Affine3A, Quat};
 use proptest::prelude::*;
 
-/// What to do next with the nodes there are.
+/// Next action with the nodes there are.
 #[derive(Debug, Clone)]
 enum Act {
     Add(Primitive),
@@ -72,7 +72,7 @@ fn acts() -> impl Strategy<Value = Act> {
     ]
 }
 
-/// What the acts make, and whether anything is left.
+/// Result of the acts, and whether anything is left.
 fn build(acts: &[Act]) -> Option<BlobTree> {
     let mut builder = BlobTreeBuilder::default();
     let mut nodes: Vec<Node> = Vec::new();
@@ -128,7 +128,7 @@ fn bits((value, gradient): (f32, Vec3)) -> [u32; 4] {
     [value.to_bits(), gradient.x.to_bits(), gradient.y.to_bits(), gradient.z.to_bits()]
 }
 
-/// By how much a value may be wrong by rounding alone.
+/// Bound on the rounding error of a value.
 fn rounding(slope: f32) -> f32 {
     1e-5 + 1e-5 * slope
 }

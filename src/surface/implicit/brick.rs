@@ -23,7 +23,7 @@ pub(super) struct Brick {
     pub(super) inside: u64,
 }
 
-/// What is found at a place of the size of a block.
+/// Contents of a place of the size of a block.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum Place {
     /// A block of that size.
@@ -36,7 +36,7 @@ pub(super) enum Place {
     Empty(bool),
 }
 
-/// What is at a node.
+/// State at a node.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum Node {
     /// The first of eight children.
@@ -77,7 +77,7 @@ impl From<Node> for Packed {
 pub(super) struct Bricks<P> {
     pub(super) nodes: Vec<Packed>,
     pub(super) leaves: Vec<Brick>,
-    /// What counts in each block or within half a voxel of it.
+    /// Parts that count in each block or within half a voxel of it.
     pub(super) parts: Vec<P>,
     pub(super) grid: Grid,
     /// The level at which one block would hold everything.
@@ -272,7 +272,7 @@ impl<P: Part> Bricks<P> {
         std::array::from_fn(|i| self.near(path, (first + octant(i as u32)) << (level + 3), path.level + 1))
     }
 
-    /// What is in each of the 3 · 3 · 3 places around a block, itself in the middle.
+    /// Contents of the 3 · 3 · 3 places around a block, itself in the middle.
     pub(super) fn around(&self, brick: &Brick) -> [Place; 27] {
         let (corner, level) = (brick.corner, brick.level);
         let mut places = [Place::Empty(false); 27];
@@ -297,7 +297,7 @@ impl<P: Part> Bricks<P> {
         places
     }
 
-    /// What is beside each of a block's faces.
+    /// Neighbour at each of a block's faces.
     pub(super) fn beside(&self, brick: &Brick) -> [Place; 6] {
         let (corner, level) = (brick.corner, brick.level);
         if level == self.top {
@@ -346,7 +346,7 @@ impl<P: Part> Bricks<P> {
         }
     }
 
-    /// What is at a corner that blocks of that level can have.
+    /// State at a corner that blocks of that level can have.
     pub(super) fn find(&self, corner: IVec3, level: u8) -> Place {
         let outside = corner.to_array().into_iter().fold(0, |outside, x| outside | x >> (self.top + 2));
         if outside != 0 {
@@ -388,18 +388,18 @@ fn place_of(found: Found, level: u8) -> Place {
     }
 }
 
-/// Which of eight children has a corner, if they are of that level.
+/// Number of the child, of eight, that has a corner, if they are of that level.
 fn child(corner: IVec3, level: u8) -> u32 {
     let bits = (corner >> i32::from(level + 2)) & 1;
     (bits.x | bits.y << 1 | bits.z << 2) as u32
 }
 
-/// Where among eight cubes one lies.
+/// Place of one among eight cubes.
 pub(super) fn octant(i: u32) -> IVec3 {
     IVec3::new(i as i32 & 1, i as i32 >> 1 & 1, i as i32 >> 2)
 }
 
-/// Where in its block a voxel is.
+/// Place of a voxel in its block.
 pub(super) fn voxel(cell: u32) -> IVec3 {
     (IVec3::splat(cell as i32) >> IVec3::new(0, 2, 4)) & 3
 }

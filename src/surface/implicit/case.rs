@@ -55,7 +55,7 @@ fn faces() -> [[u8; 4]; 6] {
     })
 }
 
-/// Which edge's crossing follows each edge's around the surface's patches.
+/// For each edge, the edge whose crossing follows around the surface's patches.
 ///
 /// On each face the surface runs from where the face's border, counter-clockwise seen from outside, leaves the inside to
 /// where it comes in. Where two opposite corners are inside they are joined, whatever the cube: so two cubes agree on

@@ -30,7 +30,7 @@ pub(super) struct Patch {
 pub(super) struct Vertex {
     pub(super) position: Vec3,
     pub(super) normal: Vec3,
-    /// How far sides here may be off the surface, metres.
+    /// Greatest distance of sides from the surface here, metres.
     error: f32,
     /// The last corner here.
     last: u32,
@@ -39,7 +39,7 @@ pub(super) struct Vertex {
     waits: bool,
 }
 
-/// What may become of a vertex. That does not change as others go.
+/// Fate of a vertex. It does not change as others go.
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Kind {
     Unknown,
@@ -142,7 +142,7 @@ impl Patch {
         Some(star)
     }
 
-    /// What may become of a vertex with that star.
+    /// Fate of a vertex with that star.
     fn kind(&mut self, number: u32, star: &Star) -> Kind {
         if self.vertices[number as usize].kind == Kind::Unknown {
             let mut ahead = star.ahead[..star.count].iter();

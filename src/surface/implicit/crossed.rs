@@ -58,7 +58,7 @@ impl Crossed {
         crossed
     }
 
-    /// How many vertices the block has.
+    /// Number of the block's vertices.
     pub(super) fn count(&self) -> u32 {
         u32::from(self.before[5]) + self.of(5)
     }

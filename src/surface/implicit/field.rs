@@ -12,7 +12,7 @@ use smallvec::SmallVec;
 /// Farther out or thicker than this, in metres, products of coordinates leave the range of 32-bit floats.
 const FARTHEST: f32 = 1e9;
 
-/// What sums of values may be off by.
+/// Bound on the rounding error of sums of values.
 const SLACK: f32 = 1e-5;
 
 /// A straight part of a branch, from one node to the next: a cone with a ball at each end.
@@ -23,7 +23,7 @@ pub(crate) struct Segment {
     /// One over the square of the length, or 0 where there is none.
     inverse: f32,
     radius: f32,
-    /// By how much the radius grows along the way.
+    /// Growth of the radius along the way.
     growth: f32,
     pub(super) branch: u32,
 }
@@ -135,7 +135,7 @@ impl Field {
         (self.value_at(most / thin), self.value_at(least.max(0.0) / thick))
     }
 
-    /// What counts in a cube, of the primitives named.
+    /// Primitives, of those named, that count in a cube.
     fn felt(&self, among: impl Iterator<Item = u32>, cube: Bounds) -> Coverage<Felt<'_>> {
         let (middle, half) = (cube.center(), cube.size() * 0.5 + Vec3::splat(self.slack));
         let mut near = SmallVec::new();

@@ -7,7 +7,7 @@ use crate::parallel;
 use glam::{IVec3, Vec3};
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-/// By so many voxels a block's cube is larger on each side: it holds the middles of all voxels that share a face with it and
+/// Voxels by which a block's cube is larger on each side: it holds the middles of all voxels that share a face with it and
 /// are not larger, rounding included. It lies within that of a block of twice the size.
 const MARGIN: f32 = 0.53;
 
@@ -17,7 +17,7 @@ const MANY: usize = 512;
 /// Cubes that one thread takes at a time.
 const GROUP: usize = 8;
 
-/// Where voxels are.
+/// Lattice of the voxels.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Grid {
     pub(super) origin: Vec3,
@@ -31,16 +31,16 @@ pub(super) struct Cube {
     pub(super) node: u32,
     pub(super) corner: IVec3,
     pub(super) level: u8,
-    /// Which part has all that counts here.
+    /// Part that has all that counts here.
     pub(super) of: usize,
 }
 
-/// What grew below some cubes. Nodes, blocks and parts are numbered from 0 on.
+/// Growth below some cubes. Nodes, blocks and parts are numbered from 0 on.
 struct Grown<P> {
     nodes: Vec<Packed>,
     leaves: Vec<Brick>,
     parts: Vec<P>,
-    /// What became of the cubes' own nodes.
+    /// Results for the cubes' own nodes.
     roots: Vec<(u32, Packed)>,
     /// Cubes that were split.
     split: Vec<(IVec3, u8)>,
@@ -49,7 +49,7 @@ struct Grown<P> {
     of: Vec<P>,
 }
 
-/// What one look at a cube says.
+/// Result of one look at a cube.
 enum Look<P> {
     Empty(bool),
     /// Smaller voxels are needed.

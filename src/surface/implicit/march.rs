@@ -18,7 +18,7 @@ const HELD: usize = 256;
 pub(super) const PATCH: usize = 2048;
 const PATCHES: usize = 64;
 
-/// What becomes of the triangles of marching cubes.
+/// Treatment of the triangles of marching cubes.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) enum Finish {
     /// Nothing.
@@ -33,7 +33,7 @@ pub(crate) enum Finish {
 struct Surroundings<'a, P> {
     bricks: &'a Bricks<P>,
     brick: &'a Brick,
-    /// What is in each of 3 · 3 · 3 places; the block itself in the middle.
+    /// Contents of 3 · 3 · 3 places; the block itself in the middle.
     places: [Place; 27],
     /// Bits say which of these are blocks of the same size that come before this one, or smaller, or not of the same size.
     earlier: u32,
@@ -54,7 +54,7 @@ impl<'a, P: Part> Surroundings<'a, P> {
         Self { bricks, brick, places, earlier, smaller, unlike }
     }
 
-    /// What a voxel is in, -1 to 4 in each direction.
+    /// Block that holds a voxel, -1 to 4 in each direction.
     fn place(&self, cell: IVec3) -> Place {
         let block: IVec3 = (cell + 4) >> 2;
         self.places[(block.x + 3 * block.y + 9 * block.z) as usize]
@@ -140,7 +140,7 @@ impl<'a, P: Part> Surroundings<'a, P> {
         }
     }
 
-    /// Which voxels are inside, this block's and one more on each side: a bit each along x, rows along y, then z.
+    /// Voxels that are inside, this block's and one more on each side: a bit each along x, rows along y, then z.
     fn rows(&self) -> [u8; 36] {
         let mut rows = [0; 36];
         for (i, place) in self.places.iter().enumerate() {
@@ -200,7 +200,7 @@ const VOXELS: [(u8, u8); 216] = {
     voxels
 };
 
-/// Which of 27 places the eight voxels around each of 5 · 5 · 5 corners are in.
+/// For each of 5 · 5 · 5 corners, the places, of 27, that hold the eight voxels around it.
 const TOUCHED: [u32; 125] = {
     let mut touched = [0; 125];
     let mut i = 0;
@@ -213,7 +213,7 @@ const TOUCHED: [u32; 125] = {
     touched
 };
 
-/// By how many of 6 · 6 · 6 voxels the lower end of each of a cube's edges lies after the cube's first.
+/// Offset, in 6 · 6 · 6 voxels, of the lower end of each of a cube's edges from the cube's first.
 const LOWER: [usize; 12] = {
     let mut lower = [0; 12];
     let mut edge = 0;

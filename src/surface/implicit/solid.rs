@@ -9,17 +9,17 @@ use glam::Vec3;
 /// Nobody evaluates a solid as a whole: it is asked for the [part](Solid::part) of it that counts within a cube, then for
 /// the part of that within a smaller one, and so on down an octree. Parts are evaluated.
 pub(crate) trait Solid: Sync {
-    /// What counts of it within a cube.
+    /// Part of it that counts within a cube.
     type Part: Part;
 
     /// A box that holds every point whose value is not negative.
     fn bounds(&self) -> Bounds;
 
-    /// What counts within a cube, of the whole or of the part that counted within a larger cube around it.
+    /// Part that counts within a cube, of the whole or of the part that counted within a larger cube around it.
     fn part(&self, of: Option<&Self::Part>, cube: Bounds) -> Coverage<Self::Part>;
 }
 
-/// What is known about all points of a cube.
+/// Knowledge of all points of a cube.
 #[derive(Debug)]
 pub(crate) enum Coverage<P> {
     /// All values are below 0.
@@ -30,7 +30,7 @@ pub(crate) enum Coverage<P> {
     Crossed(P),
 }
 
-/// What counts of a [`Solid`] within a cube: there its values and gradients are the whole's, to the bit.
+/// Part of a [`Solid`] that counts within a cube: there its values and gradients are the whole's, to the bit.
 pub(crate) trait Part: Send + Sync {
     /// The value at a point of the cube.
     fn value(&self, point: Vec3) -> f32;

@@ -24,7 +24,7 @@ use peeling::{Birch, Cherry};
 use plain::{Beech, Cedar, Palm};
 use plated::{Pine, Plane};
 
-/// What a bark does as the wood under it grows.
+/// Behaviour of a bark as the wood under it grows.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
 #[cfg_attr(
     feature = "serde",
@@ -74,7 +74,7 @@ impl BarkKind {
 pub struct BarkSet {
     /// Base colour, normals, and occlusion with roughness: what a [`Part`](crate::surface::Part) wears.
     pub textures: Textures,
-    /// How high the bark is, one channel: 0 is the deepest, 255 lies [`depth`](Self::depth) above.
+    /// Height map, one channel: 0 is the deepest, 255 lies [`depth`](Self::depth) above.
     pub height: Image,
     /// The side of the tile, metres: for [`Tubes::with_tile`](crate::surface::Tubes::with_tile).
     pub size: f32,
@@ -220,7 +220,7 @@ impl Bark {
         self
     }
 
-    /// How deep the oldest bark is, metres, 0 to a quarter of the size. Young bark has a part of it.
+    /// Depth of the oldest bark, metres, 0 to a quarter of the size. Young bark has a part of it.
     pub fn with_depth(mut self, metres: f32) -> Self {
         self.depth = metres;
         self
@@ -245,7 +245,7 @@ impl Bark {
         self
     }
 
-    /// How far colours are from their mean, 0 (one colour) to 2 (twice as far); default 1.
+    /// Spread of the colours about their mean, 0 (one colour) to 2 (twice as far); default 1.
     pub fn with_spread(mut self, spread: f32) -> Self {
         self.spread = spread;
         self
@@ -318,7 +318,7 @@ impl Bark {
         linear(self.color)
     }
 
-    /// How deep it is at its age, metres.
+    /// Depth at its age, metres.
     fn relief(&self) -> f32 {
         self.depth * (0.12 + 0.88 * self.age)
     }

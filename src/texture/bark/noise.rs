@@ -22,7 +22,7 @@ pub(super) fn cell(x: Vec4, cells: f32) -> (Vec4, Vec4) {
     (cell, x - cell)
 }
 
-/// Where the random numbers of a texture come from: each table of a pattern has a salt of its own.
+/// Source of a texture's random numbers: each table of a pattern has a salt of its own.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Seed(pub(super) u64);
 

@@ -41,7 +41,7 @@ pub(super) trait Pattern: Sync {
     fn at(&self, quad: &Quad<'_>) -> Spot;
 }
 
-/// What a pattern is made with.
+/// Parameters of a pattern.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Recipe {
     pub(super) seed: Seed,

@@ -39,7 +39,7 @@ const MAX_NODES: f32 = 2e7;
 ///
 /// Surfaces may be open, or in several pieces; vertices in one place are one. Where more than two triangles meet in a
 /// side, no edge crosses that side. Normals look to where the corners of a triangle run counter-clockwise. [`nodes`](Self::nodes) gives the normals of the graph's nodes to rules and to leaves.
-/// What the root's piece of the surface does not reach, no branch reaches.
+/// No branch reaches beyond the root's piece of the surface.
 ///
 /// O(n + t) memory for n nodes and t triangles; O(t log t + n (1 + k) log n) time, with k the triangles that an edge crosses. Edges
 /// are found on all threads with the feature `parallel`, nodes on one.
@@ -78,7 +78,7 @@ enum Size {
     Spacing(f32),
 }
 
-/// Where the nodes of a [`PoissonSurface`] lie and where the surface looks there.
+/// Positions of the nodes of a [`PoissonSurface`] and the surface's normals there.
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
 pub struct SurfaceNodes {

@@ -3,7 +3,7 @@
 use super::triangles::{NONE, Triangles};
 use glam::Vec3;
 
-/// By how much a way on the surface may be longer than the edge.
+/// Greatest ratio of a way on the surface to the edge's length.
 const DETOUR: f32 = 1.5;
 /// Triangles that a way may cross.
 const MOST_STEPS: usize = 4096;
@@ -17,7 +17,7 @@ pub(super) struct Place {
 
 pub(super) struct Walk<'a> {
     pub(super) surface: &'a Triangles,
-    /// How far a way may keep from the straight line between its ends, metres.
+    /// Greatest distance of a way from the straight line between its ends, metres.
     pub(super) tolerance: f32,
 }
 

@@ -55,7 +55,7 @@ impl MeshFormat {
     }
 }
 
-/// How a model is read from a file: which axis points up in it, what its unit is, where it stands.
+/// Options for reading a model from a file: up axis, unit, place.
 ///
 /// Positions are read in double precision, moved by the offset, multiplied by the unit and turned upright, and only then
 /// made `f32`; so a model in a survey's coordinates, hundreds of kilometres from 0, keeps its form if it is moved nearer.
@@ -104,7 +104,7 @@ impl Import {
         self
     }
 
-    /// What is added to every position first, in the file's unit and axes, at most 1e12; default 0.
+    /// Offset added to every position first, in the file's unit and axes, at most 1e12; default 0.
     pub fn with_offset(mut self, offset: DVec3) -> Self {
         self.offset = offset;
         self

@@ -15,7 +15,7 @@ pub(super) struct Soup {
     pub(super) positions: Vec<DVec3>,
     /// The corners of all polygons, one after the other.
     corners: Vec<u32>,
-    /// Where each polygon's corners end.
+    /// End of each polygon's corners.
     ends: Vec<u32>,
 }
 
@@ -46,7 +46,7 @@ impl Soup {
         self.corners.len()
     }
 
-    /// What the polygons enclose, upright, in metres, near the origin.
+    /// Area that the polygons enclose, upright, in metres, near the origin.
     pub(super) fn solid(
         mut self,
         format: MeshFormat,
