@@ -289,9 +289,12 @@ mod tests {
         for (a, b) in mean(&old).into_iter().zip(mean(&young)) {
             assert!((a - b).abs() < 0.004, "{a} and {b}");
         }
+        // Far from there each has its own; what was there before is kept as a factor.
+        old.mesh.colors = vec![[0.6; 3]];
+        young.mesh.colors = vec![[0.6; 3]];
         fade(&mut old, &mut young, &[0.06, 0.012], 0.03);
         assert!(
-            old.mesh.colors[0].iter().chain(&young.mesh.colors[0]).all(|&factor| (factor - 1.0).abs() < 1e-5)
+            old.mesh.colors[0].iter().chain(&young.mesh.colors[0]).all(|&factor| (factor - 0.6).abs() < 1e-5)
         );
     }
 }
