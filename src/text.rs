@@ -104,7 +104,7 @@ pub(crate) fn quoted(bytes: &[u8]) -> String {
 pub(crate) fn stranger(start: &[u8]) -> Option<&'static str> {
     let word = start.trim_ascii_start();
     let word = &word[..word.len().min(9)];
-    let kinds: [(&[u8], &str); 8] = [
+    let kinds: [(&[u8], &str); 11] = [
         (b"\x1f\x8b", "it begins with 1f 8b: it is compressed (gzip) and must be unpacked first"),
         (b"PK\x03\x04", "it begins with 50 4b 03 04: it is a zip archive and must be unpacked first"),
         (b"BZh", "it begins with 42 5a 68: it is compressed (bzip2) and must be unpacked first"),
@@ -115,6 +115,9 @@ pub(crate) fn stranger(start: &[u8]) -> Option<&'static str> {
         ),
         (b"\xFF\xFE", "it begins with ff fe: it is UTF-16 text and must be saved as UTF-8"),
         (b"\xFE\xFF", "it begins with fe ff: it is UTF-16 text and must be saved as UTF-8"),
+        (b"LASF", "it is a LAS or LAZ file and must be saved as PLY or text first"),
+        (b"ASTM-E57", "it is an E57 file and must be saved as PLY or text first"),
+        (b"# .PCD", "it is a PCD file and must be saved as PLY or text first"),
         (b"version https://git-lfs", "it is a pointer of git-lfs, not the file itself"),
     ];
     if let Some((_, what)) = kinds.iter().find(|(magic, _)| start.starts_with(magic)) {

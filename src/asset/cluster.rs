@@ -96,7 +96,7 @@ pub(super) fn group(
     let total: f32 = weights.iter().map(|(_, weight)| weight).sum();
     let a_metre = total / leafy_length(skeleton, weights).max(1e-9);
     let mut target = (0.4 * total / most.max(1) as f32).max(least);
-    if most == 0 {
+    if most == 0 || !total.is_finite() {
         return None;
     }
     loop {

@@ -1,7 +1,7 @@
 //! Clouds in files: PLY and text.
 
 use std::fs::File;
-use std::io::{BufReader, BufWriter, Read, Write};
+use std::io::{self, BufReader, BufWriter, Read, Write};
 use std::path::Path;
 
 use glam::DVec3;
@@ -39,11 +39,19 @@ impl From<Fault> for CloudError {
 
 /// What stands between numbers of a text.
 fn is_between(byte: u8) -> bool {
-    byte.is_ascii_whitespace() || matches!(byte, b',' | b';' | 0 | 0x0B)
+    byte.is_ascii_whitespace() || matches!(byte, 0 | 0x0B)
 }
 
-fn fields(line: &[u8]) -> impl Iterator<Item = &[u8]> {
-    line.split(|&byte| is_between(byte)).filter(|word| !word.is_empty())
+/// The words of a line: between semicolons, else commas, else tabs if there are three columns of them, where a column may be
+/// empty; else between blanks. A decimal comma stays in its word, which is no number then.
+fn fields(line: &[u8]) -> Vec<&[u8]> {
+    let line = line.trim_ascii();
+    let between = [(b';', 1), (b',', 1), (b'\t', 2)];
+    let count = |byte| line.iter().filter(|&&own| own == byte).count();
+    match between.into_iter().find(|&(byte, least)| count(byte) >= least) {
+        Some((byte, _)) => line.split(|&own| own == byte).map(<[u8]>::trim_ascii).collect(),
+        None => line.split(|&byte| is_between(byte)).filter(|word| !word.is_empty()).collect(),
+    }
 }
 
 impl Cloud {
@@ -96,7 +104,7 @@ impl Cloud {
     }
 
     /// Reads text of a point a line, as `.xyz`, `.csv`, `.txt`, `.asc` and `.pts` files have it: numbers with blanks, tabs, commas
-    /// or semicolons between them.
+    /// or semicolons between them. Numbers have a decimal point: what has a comma is an error where it can be told.
     ///
     /// The first three are taken; where a line with the names `x`, `y` and `z` (in capitals or not, with `//` or `#` before or not)
     /// stands before the first point, those columns. Lines that begin with `#` or `//`, and a first line of one number alone (a
@@ -109,6 +117,9 @@ impl Cloud {
         frame.check()?;
         let mut lines = Lines::new(BufReader::with_capacity(1 << 16, reader));
         let mut columns = [0, 1, 2];
+        // How many names there are, and whether they stand in a comment.
+        let mut names: Option<(usize, bool)> = None;
+        let (mut passed, mut has_count) = (0, false);
         let mut places = Vec::new();
         while lines.read()? {
             let (line, number_of) = (lines.line(), lines.number());
@@ -117,19 +128,33 @@ impl Cloud {
             }
             let comment = line.trim_ascii_start();
             let is_comment = comment.starts_with(b"#") || comment.starts_with(b"//");
-            let Some(first) = fields(line).next() else { continue };
-            if is_comment || (places.is_empty() && number(first).is_none()) {
-                if places.is_empty() {
-                    columns = named(line).unwrap_or(columns);
+            let mut words = fields(line);
+            let Some(&first) = words.first() else { continue };
+            let is_header = names.is_none_or(|(_, in_comment)| in_comment) && number(first).is_none();
+            if is_comment || (places.is_empty() && is_header) {
+                if let Some((found, count)) = named(line).filter(|_| places.is_empty()) {
+                    (columns, names) = (found, Some((count, is_comment)));
+                } else if !is_comment {
+                    passed = number_of;
                 }
                 continue;
             }
-            if number_of == 1 && fields(line).nth(1).is_none() {
+            if places.is_empty() && !has_count && words.len() == 1 {
+                has_count = true;
                 continue;
+            }
+            match names {
+                // A comment that only happens to have these words.
+                Some((count, true)) if places.is_empty() && words.len() != count => columns = [0, 1, 2],
+                // R names rows, and has no name for that column.
+                Some((count, false)) if words.len() == count + 1 && !words[0].is_empty() => {
+                    words.remove(0);
+                }
+                _ => {}
             }
             let mut place = DVec3::ZERO;
             let mut found = 0;
-            for (at, word) in fields(line).enumerate() {
+            for (at, word) in words.into_iter().enumerate() {
                 let Some(axis) = columns.iter().position(|&column| column == at) else { continue };
                 place[axis] = number(word).filter(|value| value.is_finite()).ok_or_else(|| {
                     let problem = format!("{} must be a finite number", quoted(word));
@@ -146,6 +171,10 @@ impl Cloud {
             }
             places.push(place);
         }
+        if places.is_empty() && passed > 0 && names.is_none() {
+            let problem = "no line begins with a number: it is no text of points";
+            return Err(fault("XYZ", format_args!("line {passed}"), problem));
+        }
         Self::from_places(frame, &places)
     }
 
@@ -155,7 +184,8 @@ impl Cloud {
     /// As [`read_ply`](Self::read_ply) and [`read_xyz`](Self::read_xyz); a file that cannot be opened.
     pub fn open(frame: &Frame, path: impl AsRef<Path>) -> Result<Self, CloudError> {
         let path = path.as_ref();
-        let file = File::open(path)?;
+        let told = |error: io::Error| io::Error::new(error.kind(), format!("{}: {error}", path.display()));
+        let file = File::open(path).map_err(told)?;
         if path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("ply")) {
             return Self::read_ply(frame, file);
         }
@@ -217,15 +247,16 @@ impl Cloud {
     }
 }
 
-/// The columns called x, y and z.
-fn named(line: &[u8]) -> Option<[usize; 3]> {
+/// The columns called x, y and z, and how many names there are.
+fn named(line: &[u8]) -> Option<([usize; 3], usize)> {
     let text = line.trim_ascii_start();
     let text = text.strip_prefix(b"//").or(text.strip_prefix(b"#")).unwrap_or(text);
     let names: Vec<Vec<u8>> = fields(text)
+        .into_iter()
         .map(|name| {
             name.iter().filter(|byte| byte.is_ascii_alphanumeric()).map(u8::to_ascii_lowercase).collect()
         })
         .collect();
     let [x, y, z] = [b"x", b"y", b"z"].map(|axis| names.iter().position(|name| name == axis));
-    Some([x?, y?, z?])
+    Some(([x?, y?, z?], names.len()))
 }

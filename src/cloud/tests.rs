@@ -119,3 +119,36 @@ proptest! {
         }
     }
 }
+
+#[test]
+fn texts_of_points_are_read_or_refused_but_never_shifted() {
+    let read = |text: &str| Cloud::read_xyz(&Frame::default(), text.as_bytes());
+    let first =
+        |text: &str| read(text).unwrap_or_else(|error| panic!("{text:?}: {error}")).points()[0].to_array();
+    for text in [
+        "1 2 3",
+        "1,2,3",
+        "1; 2; 3",
+        "1\t2\t3\t",
+        "name,x,y,z\noak,1,2,3",
+        "id,label,x,y,z,i\n7,,1,2,3,90",
+        "\"x\" \"y\" \"z\"\n\"1\" 1 2 3",
+        "# made by hand\n1\n1 2 3",
+        "// turned about x, y and z by 0\n1 2 3 4 5 6 7 8",
+        "//X Y Z R\n1 2 3 255",
+    ] {
+        assert_eq!(first(text), [1.0, 2.0, 3.0], "{text:?}");
+    }
+    for (text, what) in [
+        ("1,25;2,5;3,75", "must be a finite number"),
+        ("1,25 2,5 3,75", "must be a finite number"),
+        ("LASF\0\0", "LAS"),
+        ("# .PCD v0.7\nFIELDS x y z\n1 2 3", "PCD"),
+        ("this is\nno cloud", "no text of points"),
+    ] {
+        let error = read(text).expect_err(text).to_string();
+        assert!(error.contains(what), "{text:?}: {error}");
+    }
+    let error = Cloud::open(&Frame::default(), "there-is-none.xyz").unwrap_err().to_string();
+    assert!(error.contains("there-is-none.xyz"), "{error}");
+}

@@ -127,7 +127,12 @@ pub fn read_qsm(frame: &Frame, reader: impl Read) -> Result<Trees, FormatError> 
                 let direction = place(axis)?.try_normalize().ok_or_else(|| {
                     table.fault(axis[0], "the axis has no length, but must point from the start to the end")
                 })?;
-                start + direction * table.finite(length)?
+                let column = length;
+                let length = table.finite(column)?;
+                if length < 0.0 {
+                    return Err(table.fault(column, format!("{length} stands there, but must be at least 0")));
+                }
+                start + direction * length
             }
             (None, None) => start,
         };
@@ -143,6 +148,12 @@ pub fn read_qsm(frame: &Frame, reader: impl Read) -> Result<Trees, FormatError> 
         cylinders.push(Cylinder { start, end, radius: radius * columns.radii, order });
     }
     settle_firsts(&mut rows);
+    // Some count orders from 1.
+    let firsts = rows.iter().zip(&cylinders).filter(|(row, _)| row.parent.is_none());
+    let least = firsts.filter_map(|(_, own)| own.order).min().unwrap_or(0);
+    for own in &mut cylinders {
+        own.order = own.order.and_then(|order| order.checked_sub(least));
+    }
     let id = columns.id.map_or("the row's number", |column| table.name(column));
     let names =
         Names { format: FORMAT, id, parent: table.name(columns.parent), none: "0, -1, NA or nothing" };

@@ -115,7 +115,10 @@ impl<R: BufRead> Table<R> {
             }
             self.fields = split(self.lines.line(), self.delimiter);
             let (fields, names) = (self.fields.len(), self.names.len());
-            if fields == names + 1 && !self.fields[0].is_empty() {
+            if fields == names + 1 && self.fields[names].is_empty() {
+                // A delimiter at the end of the row.
+                self.fields.pop();
+            } else if fields == names + 1 && !self.fields[0].is_empty() {
                 // R names rows, and has no name for that column.
                 self.fields.remove(0);
             } else if fields < names {

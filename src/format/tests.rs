@@ -221,3 +221,12 @@ proptest! {
         let _ = (qsm(&format!("{START}{text}")), mtg(&format!("{HEAD}{text}")));
     }
 }
+
+#[test]
+fn orders_that_count_from_one_and_rows_that_end_in_a_comma() {
+    let table = "ID,parentID,startX,startY,startZ,endX,endY,endZ,radius,branchOrder\n\
+        1,0,0,0,0,0,0,1,0.2,1,\n2,1,0,0,1,0,0,2,0.1,1,\n3,1,0,0,1,1,0,2,0.05,2,\n";
+    let tree = read_qsm(&Frame::default(), table.as_bytes()).unwrap().single().unwrap();
+    let longest = tree.branches().iter().next().expect("a stem").nodes().len();
+    assert_eq!((tree.branches().len(), longest), (2, 3), "the stem is the first branch");
+}

@@ -47,6 +47,14 @@ pub struct Refinement<S> {
     relaxation: Option<u32>,
 }
 
+impl<S> Refinement<S> {
+    /// All but the region, to be printed.
+    pub(super) fn numbers(&self) -> Refinement<()> {
+        let Self { spacing, reach, relaxation, .. } = *self;
+        Refinement { region: (), spacing, reach, relaxation }
+    }
+}
+
 crate::recipe::readable!(@[S] Refinement<S> { reach: u32, relaxation: Option<u32> });
 
 crate::recipe::mapped!(Refinement { region; spacing, reach, relaxation });

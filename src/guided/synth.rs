@@ -52,7 +52,7 @@ impl Stage {
 impl std::fmt::Debug for Stage {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         f.debug_struct("Stage")
-            .field("refines", &self.refinement.is_some())
+            .field("refinement", &self.refinement.as_ref().map(Refinement::numbers))
             .field("needs_search", &self.endpoints.needs_search())
             .field("forbids", &self.weight.forbids())
             .finish_non_exhaustive()

@@ -319,6 +319,10 @@ impl Reconstruct {
 
     fn find_base(&self, nodes: &Nodes, edges: &[(u32, u32)]) -> Result<Vec3, ReconstructError> {
         if let Some(base) = self.base {
+            let far = nodes.positions.iter().map(|place| place.distance(base)).fold(f32::INFINITY, f32::min);
+            let range =
+                "within a metre of the points, or within the gap if that is wider, as they lie in the cloud";
+            ParameterError::unless(far <= self.gap.max(1.0), "Reconstruct.base", base, range)?;
             return Ok(base);
         }
         // Parts of some size only: what lies alone below the tree is noise.

@@ -75,7 +75,7 @@ impl Choice for OrganPlace {
 pub struct Organ {
     /// What it looks like.
     pub kind: OrganKind,
-    /// Its transform.
+    /// Its place on the shoots.
     pub place: OrganPlace,
     /// The part of these places that bear any, 0 to 1.
     pub share: f32,

@@ -133,6 +133,7 @@ impl Mask {
         let holds = color.iter().all(|channel| (0.0..=1.0).contains(channel));
         let name = "Mask.tint.color";
         ParameterError::unless(holds, name, format!("{color:?}"), "three channels of 0 to 1")?;
+        check_mesh(mesh)?;
         let values = self.values(mesh);
         mesh.colors.resize(mesh.positions.len(), [1.0; 3]);
         for (own, value) in mesh.colors.iter_mut().zip(values) {
@@ -156,6 +157,7 @@ impl Mask {
         self.check()?;
         let holds = (0.0..=1e3).contains(&thickness);
         ParameterError::unless(holds, "Mask.cut.thickness", thickness, "0 to 1e3 m")?;
+        check_mesh(mesh)?;
         let (mut all, mut values, mut room) = (mesh.clone(), self.values(mesh), room(mesh));
         self.refine(&mut all, &mut values, &mut room);
         let mut indices = [Vec::new(), Vec::new()];
@@ -349,6 +351,11 @@ fn between(mesh: &mut Mesh, from: usize, to: usize, t: f32) {
             ..a
         });
     }
+}
+
+fn check_mesh(mesh: &Mesh) -> Result<(), SurfaceError> {
+    let fault = |error| ParameterError::new("Mask.mesh", error, "a sound mesh".to_owned()).into();
+    mesh.check_arrays().map_err(fault)
 }
 
 #[cfg(test)]
