@@ -137,7 +137,8 @@ fn texts_of_points_are_read_or_refused_but_never_shifted() {
         "// turned about x, y and z by 0\n1 2 3 4 5 6 7 8",
         "//X Y Z R\n1 2 3 255",
     ] {
-        assert_eq!(first(text), [1.0, 2.0, 3.0], "{text:?}");
+        // Up is z in the file, y in the cloud.
+        assert_eq!(first(text), [1.0, 3.0, -2.0], "{text:?}");
     }
     for (text, what) in [
         ("1,25;2,5;3,75", "must be a finite number"),

@@ -148,7 +148,7 @@ pub fn read_qsm(frame: &Frame, reader: impl Read) -> Result<Trees, FormatError> 
         cylinders.push(Cylinder { start, end, radius: radius * columns.radii, order });
     }
     settle_firsts(&mut rows);
-    // Some count orders from 1.
+    // Some count orders from 1: the lowest order of a first cylinder is the trunk's.
     let firsts = rows.iter().zip(&cylinders).filter(|(row, _)| row.parent.is_none());
     let least = firsts.filter_map(|(_, own)| own.order).min().unwrap_or(0);
     for own in &mut cylinders {

@@ -167,12 +167,12 @@ fn skeletons() -> impl Strategy<Value = Skeleton> {
         let positions = nodes.iter().map(|node| Vec3::from_array(node.1)).collect();
         let parents: Vec<Option<u32>> =
             nodes.iter().enumerate().map(|(i, node)| (i > 0).then(|| node.0.index(i) as u32)).collect();
-        // The first child goes on or not, as it comes; the others are laterals.
+        // The first child goes on or not, as it comes, the root's always; the others are laterals.
         let mut orders = vec![0_u16];
         let mut goes_on = vec![false; nodes.len()];
         for (node, parent) in parents.iter().enumerate().skip(1) {
             let parent = parent.unwrap_or(0) as usize;
-            let is_axis = nodes[node].3 && !std::mem::replace(&mut goes_on[parent], true);
+            let is_axis = (nodes[node].3 || node == 1) && !std::mem::replace(&mut goes_on[parent], true);
             orders.push(orders[parent] + u16::from(!is_axis));
         }
         Skeleton::new(positions, parents)
