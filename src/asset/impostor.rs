@@ -143,14 +143,6 @@ impl Impostor {
         let with = |thicker: f32, gain: [f32; 3]| -> Result<Asset, AssetError> {
             let pictures: Vec<Baked> = pictures.iter().map(|baked| baked.thickened(thicker)).collect();
             let textures = Arc::new(atlas::textures(grid, &pictures, gain, Some(atlas::CUTOFF))?);
-            let none = Piece {
-                name: "bark",
-                mesh: Mesh::default(),
-                material: Material::default(),
-                textures: None,
-                instances: Vec::new(),
-                bent: None,
-            };
             let piece = Piece {
                 name: "impostor",
                 mesh: mesh.clone(),
@@ -159,15 +151,7 @@ impl Impostor {
                 instances: vec![Instance::IDENTITY],
                 bent: None,
             };
-            Ok(Asset {
-                bark: none,
-                young: None,
-                coats: Vec::new(),
-                leaves: Vec::new(),
-                cards: vec![piece],
-                error: texel,
-                crown: None,
-            })
+            Ok(Asset::of_card(piece, texel))
         };
         let (mut low, mut high) = THICKER;
         let mut thicker = 1.0;

@@ -102,6 +102,27 @@ pub struct Asset {
 }
 
 impl Asset {
+    /// One piece without bark or leaves.
+    fn of_card(card: Piece, error: f32) -> Self {
+        let bark = Piece {
+            name: "bark",
+            mesh: Mesh::default(),
+            material: Material::default(),
+            textures: None,
+            instances: Vec::new(),
+            bent: None,
+        };
+        Self {
+            bark,
+            young: None,
+            coats: Vec::new(),
+            leaves: Vec::new(),
+            cards: vec![card],
+            error,
+            crown: None,
+        }
+    }
+
     /// What is written and drawn: `bark`; `young bark`, if [thin wood](AssetBuilder::with_young_bark) has its own; what it is
     /// [coated](Asset::coated) with; `leaves`, a part for each variant of their images; and `cards`, a part for each kind
     /// of twig, of which all wear the same images. With [bent normals](AssetBuilder::with_bent_normals) all copies of a part are one

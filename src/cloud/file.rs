@@ -47,8 +47,8 @@ fn is_between(byte: u8) -> bool {
 fn fields(line: &[u8]) -> Vec<&[u8]> {
     let line = line.trim_ascii();
     let between = [(b';', 1), (b',', 1), (b'\t', 2)];
-    let count = |byte| line.iter().filter(|&&own| own == byte).count();
-    match between.into_iter().find(|&(byte, least)| count(byte) >= least) {
+    let columns = |byte| line.split(|&own| own == byte).count();
+    match between.into_iter().find(|&(byte, least)| columns(byte) > least) {
         Some((byte, _)) => line.split(|&own| own == byte).map(<[u8]>::trim_ascii).collect(),
         None => line.split(|&byte| is_between(byte)).filter(|word| !word.is_empty()).collect(),
     }
