@@ -172,7 +172,7 @@ impl Cloud {
             places.push(place);
         }
         if places.is_empty() && passed > 0 && names.is_none() {
-            let problem = "no line begins with a number: it is no text of points";
+            let problem = "no line begins with a number (with a decimal point): it is no text of points";
             return Err(fault("XYZ", format_args!("line {passed}"), problem));
         }
         Self::from_places(frame, &places)

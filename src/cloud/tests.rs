@@ -141,7 +141,8 @@ fn texts_of_points_are_read_or_refused_but_never_shifted() {
         assert_eq!(first(text).map(f32::to_bits), [1.0_f32, 3.0, -2.0].map(f32::to_bits), "{text:?}");
     }
     for (text, what) in [
-        ("1,25;2,5;3,75", "must be a finite number"),
+        ("1,25;2,5;3,75", "with a decimal point"),
+        ("x;y;z\n1,25;2,5;3,75", "must be a finite number"),
         ("1,25 2,5 3,75", "must be a finite number"),
         ("LASF\0\0", "LAS"),
         ("# .PCD v0.7\nFIELDS x y z\n1 2 3", "PCD"),
