@@ -3,9 +3,8 @@
 //
 //     node scripts/exports/beside.cjs TREE.glb NODE_MODULES PICTURE.png
 const fs = require("fs");
-const http = require("http");
 const path = require("path");
-const { spawn } = require("child_process");
+const { fail, show } = require("./browser.cjs");
 
 const [glb, modules, picture] = process.argv.slice(2);
 
@@ -89,45 +88,13 @@ try {
 }
 </script>`;
 
-const types = { ".js": "text/javascript", ".glb": "model/gltf-binary" };
-let browser;
-const server = http.createServer((request, response) => {
-  if (request.url === "/report") {
-    let body = "";
-    request.on("data", (piece) => { body += piece; });
-    request.on("end", () => { response.end(); finish(JSON.parse(body)); });
-  } else if (request.url === "/") {
-    response.setHeader("content-type", "text/html");
-    response.end(page);
-  } else {
-    const file = request.url === "/tree.glb" ? glb : path.join(modules, request.url.slice("/modules".length));
-    fs.readFile(file, (error, bytes) => {
-      if (error) response.statusCode = 404;
-      response.setHeader("content-type", types[path.extname(request.url)] || "text/plain");
-      response.end(bytes);
-    });
-  }
-});
-
-function finish({ error, counts, picture: url }) {
-  browser.kill();
-  server.close();
-  clearTimeout(timeout);
-  if (error) fail(error);
-  fs.writeFileSync(picture, Buffer.from(url.split(",")[1], "base64"));
-  console.log(`ours has ${counts[0]} triangles, theirs ${counts[1]}: ${picture}`);
-  if (counts[0] > counts[1]) fail("ours has more");
-  process.exit(0);
-}
-
-function fail(reason) {
-  console.error(reason);
-  process.exit(1);
-}
-
-const timeout = setTimeout(() => { browser.kill(); fail("no report from the page in five minutes"); }, 300000);
-server.listen(0, "127.0.0.1", () => {
-  const flags = ["--headless=new", "--no-sandbox", "--enable-unsafe-swiftshader", "--use-angle=swiftshader",
-    "--user-data-dir=" + fs.mkdtempSync(path.join(require("os").tmpdir(), "beside-"))];
-  browser = spawn("chromium", [...flags, `http://127.0.0.1:${server.address().port}/`], { stdio: "ignore" });
+show({
+  page,
+  file: (url) => url === "/tree.glb" ? glb : path.join(modules, url.slice("/modules".length)),
+  minutes: 5,
+  finish({ counts, picture: url }) {
+    fs.writeFileSync(picture, Buffer.from(url.split(",")[1], "base64"));
+    console.log(`ours has ${counts[0]} triangles, theirs ${counts[1]}: ${picture}`);
+    if (counts[0] > counts[1]) fail("ours has more");
+  },
 });

@@ -1,9 +1,8 @@
 // three.js in headless Chromium loads a tree's GLB: the counts are those written, the picture is not blank.
 const fs = require("fs");
-const http = require("http");
 const path = require("path");
-const { spawn } = require("child_process");
 const { PNG } = require("pngjs");
+const { fail, show } = require("./browser.cjs");
 
 const [name, three, picture] = process.argv.slice(2);
 const parts = JSON.parse(fs.readFileSync(`${name}.stats.json`)).parts;
@@ -40,50 +39,18 @@ try {
 }
 </script>`;
 
-const files = (url) => url === "/tree.glb" ? `${name}.glb` : path.join(three, url.slice("/three".length));
-const types = { ".js": "text/javascript", ".glb": "model/gltf-binary" };
-let browser;
-const server = http.createServer((request, response) => {
-  if (request.url === "/report") {
-    let body = "";
-    request.on("data", (piece) => { body += piece; });
-    request.on("end", () => { response.end(); finish(JSON.parse(body)); });
-  } else if (request.url === "/") {
-    response.setHeader("content-type", "text/html");
-    response.end(page);
-  } else {
-    fs.readFile(files(request.url), (error, bytes) => {
-      if (error) response.statusCode = 404;
-      response.setHeader("content-type", types[path.extname(request.url)] || "text/plain");
-      response.end(bytes);
-    });
-  }
-});
-
-function finish({ error, triangles, picture: url }) {
-  browser.kill();
-  server.close();
-  clearTimeout(timeout);
-  if (error) fail(error);
-  const png = Buffer.from(url.split(",")[1], "base64");
-  fs.writeFileSync(picture, png);
-  const { data } = PNG.sync.read(png);
-  let dark = 0;
-  for (let i = 0; i < data.length; i += 4) dark += data[i] < 160;
-  const share = dark / (data.length / 4);
-  console.log(`${triangles} triangles of ${expected}; ${Math.round(share * 100)}% of ${picture} is tree`);
-  if (triangles !== expected || share < 0.03 || share > 0.9) fail("not what was written");
-  process.exit(0);
-}
-
-function fail(reason) {
-  console.error(reason);
-  process.exit(1);
-}
-
-const timeout = setTimeout(() => { browser.kill(); fail("no report from the page in two minutes"); }, 120000);
-server.listen(0, "127.0.0.1", () => {
-  const flags = ["--headless=new", "--no-sandbox", "--enable-unsafe-swiftshader", "--use-angle=swiftshader",
-    "--user-data-dir=" + fs.mkdtempSync(path.join(require("os").tmpdir(), "three-"))];
-  browser = spawn("chromium", [...flags, `http://127.0.0.1:${server.address().port}/`], { stdio: "ignore" });
+show({
+  page,
+  file: (url) => url === "/tree.glb" ? `${name}.glb` : path.join(three, url.slice("/three".length)),
+  minutes: 2,
+  finish({ triangles, picture: url }) {
+    const png = Buffer.from(url.split(",")[1], "base64");
+    fs.writeFileSync(picture, png);
+    const { data } = PNG.sync.read(png);
+    let dark = 0;
+    for (let i = 0; i < data.length; i += 4) dark += data[i] < 160;
+    const share = dark / (data.length / 4);
+    console.log(`${triangles} triangles of ${expected}; ${Math.round(share * 100)}% of ${picture} is tree`);
+    if (triangles !== expected || share < 0.03 || share > 0.9) fail("not what was written");
+  },
 });

@@ -59,7 +59,8 @@ impl Cloud {
     /// of number; everything else is passed over. No count in the header is believed. 24 bytes a point beside the cloud.
     ///
     /// # Errors
-    /// A frame out of range; what cannot be read, by the line or byte; points that are not finite or too far off.
+    /// A frame out of range; what cannot be read, by the line or byte; lines of a text with more numbers than its header
+    /// says; points that are not finite or too far off.
     pub fn read_ply(frame: &Frame, reader: impl Read) -> Result<Self, CloudError> {
         frame.check()?;
         let mut reader = BufReader::with_capacity(1 << 16, reader);
@@ -91,6 +92,11 @@ impl Cloud {
                         (Kind::Scalar(scalar), Some(axis)) => place[axis] = values.number(scalar)?,
                         _ => values.pass_property(property)?,
                     }
+                }
+                if values.is_within_line() {
+                    let problem =
+                        format!("the line has more numbers than vertex has properties, {}", vertex.names());
+                    return Err(fault("PLY", values.place(), problem));
                 }
                 if !place.is_finite() {
                     let problem = format!("point {number} is {place}, but must be finite");

@@ -5,10 +5,12 @@ use std::io::{self, Write};
 use glam::{DVec3, Vec3};
 
 use crate::ParameterError;
-use crate::shape::{LARGEST, UpAxis};
+use crate::shape::{LARGEST, UpAxis, check_numbers};
 
 /// Coordinates up to here, metres, stay as they are: an `f32` is then within 0.03 mm.
 const NEAR: f64 = 1000.0;
+/// Extent of coordinates that are farther off, metres: an `f32` is then within 0.5 mm.
+const WIDEST: f64 = 1e4;
 
 /// How coordinates stand in a file of measurements: which axis points up, what a unit is, and what is taken off them.
 ///
@@ -60,27 +62,33 @@ impl Frame {
 
     /// What is taken off every position that is read and added to every one that is written, in the file's axes and unit, at most
     /// 1e12. By default nothing is added; and nothing is taken off if all coordinates are within 1 km of 0, else the lowest of each
-    /// axis, rounded down to a whole number.
+    /// axis, rounded down to a whole number. Coordinates farther off must then lie within 10 km of each other.
     pub fn with_offset(mut self, offset: DVec3) -> Self {
         self.offset = Some(offset);
         self
     }
 
     pub(crate) fn check(&self) -> Result<(), ParameterError> {
-        let unit = self.unit;
-        ParameterError::unless((1e-9..=1e9).contains(&unit), "Frame.unit", unit, "1e-9 to 1e9 metres")?;
-        let offset = self.offset.unwrap_or_default();
-        let holds = offset.abs().cmple(DVec3::splat(1e12)).all();
-        ParameterError::unless(holds, "Frame.offset", offset, "at most 1e12 units on every axis")
+        check_numbers("Frame", self.unit, self.offset.unwrap_or_default())
     }
 
-    /// The offset of a file whose coordinates are from `low` to `high`.
-    pub(crate) fn offset_of(&self, low: DVec3, high: DVec3) -> DVec3 {
-        self.offset.unwrap_or_else(|| {
-            let is_near = low.abs().max(high.abs()).max_element() * self.unit <= NEAR;
-            // Nothing may be there.
-            if is_near || !low.is_finite() { DVec3::ZERO } else { low.floor() }
-        })
+    /// The offset of a file whose coordinates are from `low` to `high`; what is wrong if none can keep them as `f32`.
+    pub(crate) fn offset_of(&self, low: DVec3, high: DVec3) -> Result<DVec3, String> {
+        if let Some(offset) = self.offset {
+            return Ok(offset);
+        }
+        let is_near = low.abs().max(high.abs()).max_element() * self.unit <= NEAR;
+        // Nothing may be there.
+        if is_near || !low.is_finite() {
+            return Ok(DVec3::ZERO);
+        }
+        if (high - low).max_element() * self.unit > WIDEST {
+            return Err(format!(
+                "they lie from {low} to {high}, but must be within 10 km of each other; leave out strays such as 0, 0, 0 for a \
+                 beam without an echo, or choose Frame::with_offset"
+            ));
+        }
+        Ok(low.floor())
     }
 
     /// A length of the file in metres.
@@ -90,11 +98,7 @@ impl Frame {
 
     /// A place of the file in metres and +Y up; what it is if it lies too far off.
     pub(crate) fn local(&self, place: DVec3, offset: DVec3) -> Result<Vec3, String> {
-        let DVec3 { x, y, z } = (place - offset) * self.unit;
-        let local = match self.up {
-            UpAxis::Y => DVec3::new(x, y, z),
-            UpAxis::Z => DVec3::new(x, z, -y),
-        };
+        let local = self.up.upright((place - offset) * self.unit);
         if local.abs().cmple(DVec3::splat(LARGEST.into())).all() {
             return Ok(local.as_vec3());
         }
@@ -106,13 +110,10 @@ impl Frame {
 
     /// A place as it stands in the file, to be written as it is.
     pub(crate) fn written(&self, place: Vec3) -> [Number; 3] {
-        let [x, y, z] = match self.up {
-            UpAxis::Y => place.to_array(),
-            UpAxis::Z => [place.x, -place.z, place.y],
-        };
+        let place = self.up.in_file(place).to_array();
         let offset = self.offset.unwrap_or_default().to_array();
         let is_short = self.is_short();
-        std::array::from_fn(|axis| match self.number([x, y, z][axis], offset[axis]) {
+        std::array::from_fn(|axis| match self.number(place[axis], offset[axis]) {
             // All of a place alike, for files that have one kind of number.
             Number::Short(value) if !is_short => Number::Long(value.into()),
             number => number,

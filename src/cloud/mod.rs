@@ -86,6 +86,7 @@ impl Cloud {
             (low, high) = (low.min(place), high.max(place));
         }
         let offset = frame.offset_of(low, high);
+        let offset = offset.map_err(|problem| file::fault("points", "all", problem))?;
         let mut points = Vec::with_capacity(places.len());
         for (point, &place) in places.iter().enumerate() {
             let place = frame.local(place, offset);

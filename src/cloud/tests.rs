@@ -154,3 +154,27 @@ fn texts_of_points_are_read_or_refused_but_never_shifted() {
     let error = Cloud::open(&Frame::default(), "there-is-none.xyz").unwrap_err().to_string();
     assert!(error.contains("there-is-none.xyz"), "{error}");
 }
+
+#[test]
+fn what_an_f32_cannot_hold_is_refused() {
+    let survey = "0 0 0\n530000.25 180000.5 12.125\n530001.25 180002.5 14.125\n";
+    let error = Cloud::read_xyz(&Frame::default(), survey.as_bytes()).unwrap_err().to_string();
+    assert!(error.contains("within 10 km") && error.contains("with_offset"), "{error}");
+    let apart = survey.split_once('\n').expect("two lines").1;
+    let cloud = Cloud::read_xyz(&Frame::default(), apart.as_bytes()).expect("a survey");
+    assert_eq!(
+        (cloud.points()[1] - cloud.points()[0]).to_array().map(f32::to_bits),
+        [1.0_f32, 2.0, -2.0].map(f32::to_bits)
+    );
+    let header = "ply\nformat ascii 1.0\nelement vertex 2\nproperty float x\nproperty float y\nproperty float z\nend_header\n";
+    let error =
+        Cloud::read_ply(&Frame::default(), format!("{header}1 2 3 255 0 0\n4 5 6 255 0 0\n").as_bytes());
+    let error = error.unwrap_err().to_string();
+    assert!(error.contains("line 8") && error.contains("more numbers"), "{error}");
+    assert_eq!(
+        Cloud::read_ply(&Frame::default(), format!("{header}1 2 3\n4 5 6 \n").as_bytes())
+            .expect("sound")
+            .len(),
+        2
+    );
+}

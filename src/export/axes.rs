@@ -69,10 +69,7 @@ impl Axes {
 
     /// A direction in the file's axes.
     pub(super) fn turned(self, direction: Vec3) -> Vec3 {
-        match self.up {
-            UpAxis::Y => direction,
-            UpAxis::Z => Vec3::new(direction.x, -direction.z, direction.y),
-        }
+        self.up.in_file(direction)
     }
 
     /// A place in the file's axes and unit.

@@ -98,6 +98,7 @@ pub(super) fn assemble(nodes: &[Node], frame: &Frame, format: &'static str) -> R
         (low, high) = (low.min(node.place), high.max(node.place));
     }
     let offset = frame.offset_of(low, high);
+    let offset = offset.map_err(|problem| FormatError::file(format, format!("coordinates: {problem}")))?;
     let mut trees: Vec<Parts> = Vec::new();
     // Each node's tree, and its number there.
     let mut places: Vec<(usize, u32)> = Vec::with_capacity(nodes.len());

@@ -23,8 +23,8 @@ const MOST_ORDERS: u16 = 500;
 /// A vertex of a class of the finest scale in `CLASSES` is a node; `<` goes on along its axis, `+` begins a lateral, one order
 /// higher; an edge of a coarser vertex (`+A2/N1`) counts for the first node in it. `^` goes on from the latest vertex in the
 /// same column, and without it from that in the column before. Coordinates are the features `XX`, `YY`, `ZZ` or `X`, `Y`, `Z`,
-/// thickness is `diameter`, `Diam`, `TopDia` or `radius`; a node without it is as thick as its parent. Each vertex of the coarsest
-/// scale is a tree. If the numbers in a tree's labels differ from each other, its nodes come in their order, parents first, else
+/// thickness is `diameter`, `Diam`, `TopDia` or `radius`; a node without it is as thick as its parent. Each node without a
+/// predecessor begins a tree. If the numbers in a tree's labels differ from each other, its nodes come in their order, parents first, else
 /// as in the file. O(n log n).
 ///
 /// ```

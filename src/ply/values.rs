@@ -69,6 +69,11 @@ impl<R: BufRead> Values<R> {
         }
     }
 
+    /// Whether more stands in the line of a text that the latest number came from.
+    pub(crate) fn is_within_line(&self) -> bool {
+        matches!(&self.source, Source::Text(lines, at) if *at > 0 && !is_blank(&lines.line()[*at..]))
+    }
+
     fn cut(&self, at: Option<(&Element, u64)>) -> Fault {
         let problem = match at {
             None => "the file ends within an element: it is cut short, or its header is wrong".into(),

@@ -42,6 +42,7 @@ pub use recipe::ShapeRecipe;
 pub use shell::Shell;
 pub use sketch::{CrossProfile, Sketch};
 pub use up::UpAxis;
+pub(crate) use up::check_numbers;
 
 use std::sync::Arc;
 

@@ -418,11 +418,14 @@ fn leaves_come_and_go_with_the_year() -> Result<(), Box<dyn Error>> {
         let [_, _, turn, fall] = species.leaves.days;
         let late = (turn + 0.85 * (fall - turn)).floor();
         let [winter, summer, autumn] = [count(15.0)?, count(190.0)?, count(late)?];
+        let last = count(fall - 1.0)?;
         assert!(summer > 0, "{}", species.name);
         if species.leaves.evergreen {
             assert_eq!((winter, autumn), (summer, summer), "{}", species.name);
         } else {
             assert!(winter == 0 && autumn < summer, "{}: {winter}, {autumn}, {summer}", species.name);
+            // They fall one by one, and few are left for the last day.
+            assert!(last < autumn && 3 * last < summer, "{}: {last} of {summer}", species.name);
         }
     }
     Ok(())

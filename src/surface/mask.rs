@@ -7,6 +7,7 @@ use crate::math::UP;
 use crate::random::{self, Purpose};
 use glam::{IVec3, Vec3, Vec3Swizzles, Vec4};
 use std::collections::BTreeMap;
+use std::f32::consts::PI;
 
 /// What is covered of a surface: by direction, by height, in patches.
 ///
@@ -34,6 +35,8 @@ pub struct Mask {
     direction: Vec3,
     /// Cosines of the angles off the direction at which there is nothing, and all.
     facing: [f32; 2],
+    /// The angles themselves, radians, if a user gave them.
+    angles: Option<[f32; 2]>,
     heights: Option<[f32; 2]>,
     size: f32,
     spread: f32,
@@ -50,24 +53,48 @@ const BENT: f32 = 0.1;
 impl Mask {
     /// Snow on what faces up: none from 75° off, all within 40°; borders that wave over 15 cm.
     pub fn snow() -> Self {
-        Self { direction: UP, facing: [0.26, 0.77], heights: None, size: 0.15, spread: 0.35, seed: 0 }
+        Self {
+            direction: UP,
+            facing: [0.26, 0.77],
+            angles: None,
+            heights: None,
+            size: 0.15,
+            spread: 0.35,
+            seed: 0,
+        }
     }
 
     /// Moss on the shaded side, towards -z and up, near the ground: fewer and fewer patches up to 4 m.
     pub fn moss() -> Self {
         let direction = Vec3::new(0.0, 0.5, -0.866);
-        Self { direction, facing: [-0.6, 0.5], heights: Some([0.0, 4.0]), size: 0.12, spread: 0.8, seed: 0 }
+        Self {
+            direction,
+            facing: [-0.6, 0.5],
+            angles: None,
+            heights: Some([0.0, 4.0]),
+            size: 0.12,
+            spread: 0.8,
+            seed: 0,
+        }
     }
 
     /// Patches of lichen all around, of which about a fifth of the bark is covered.
     pub fn lichen() -> Self {
-        Self { direction: UP, facing: [-1.5, 6.0], heights: None, size: 0.1, spread: 1.4, seed: 0 }
+        Self {
+            direction: UP,
+            facing: [-1.5, 6.0],
+            angles: None,
+            heights: None,
+            size: 0.1,
+            spread: 1.4,
+            seed: 0,
+        }
     }
 
     /// Where rain reaches: what faces up, and the side of the trunk that faces towards +x; with streaks.
     pub fn rain() -> Self {
         let direction = Vec3::new(0.8, 0.6, 0.0);
-        Self { direction, facing: [-0.2, 0.5], heights: None, size: 0.25, spread: 0.6, seed: 0 }
+        Self { direction, facing: [-0.2, 0.5], angles: None, heights: None, size: 0.25, spread: 0.6, seed: 0 }
     }
 
     /// What normals are compared with, of any length above zero, and the angles off it, radians, at which there is nothing and
@@ -75,6 +102,7 @@ impl Mask {
     pub fn with_direction(mut self, direction: Vec3, nothing: f32, all: f32) -> Self {
         self.direction = direction.normalize_or_zero();
         self.facing = [nothing, all].map(crate::math::cos);
+        self.angles = Some([nothing, all]);
         self
     }
 
@@ -249,9 +277,11 @@ impl Mask {
     pub(crate) fn check(&self) -> Result<(), ParameterError> {
         let (name, range) = ("Mask.direction", "a direction: finite, and not zero");
         ParameterError::unless(self.direction.length_squared() > 0.5, name, self.direction, range)?;
-        let angles = self.facing.iter().all(|cosine| cosine.is_finite()) && self.facing[1] >= self.facing[0];
-        let range = "0 to π, that of nothing not less than that of all";
-        ParameterError::unless(angles, "Mask.direction.angles", format!("{:?}", self.facing), range)?;
+        if let Some([nothing, all]) = self.angles {
+            let holds = (0.0..=PI).contains(&all) && (all..=PI).contains(&nothing);
+            let range = "radians from 0 to π, that of nothing not less than that of all";
+            ParameterError::unless(holds, "Mask.direction.angles", format!("{nothing} and {all}"), range)?;
+        }
         let heights = self.heights.is_none_or(|heights| heights.iter().all(|height| height.is_finite()));
         ParameterError::unless(heights, "Mask.heights", format!("{:?}", self.heights), "finite")?;
         ParameterError::unless(
@@ -411,6 +441,8 @@ mod tests {
             (Mask::snow().with_direction(Vec3::ZERO, 1.0, 0.5), "Mask.direction"),
             (Mask::snow().with_direction(Vec3::NAN, 1.0, 0.5), "Mask.direction"),
             (Mask::snow().with_direction(Vec3::Y, 0.5, 1.0), "Mask.direction.angles"),
+            // Degrees.
+            (Mask::snow().with_direction(Vec3::Y, 60.0, 30.0), "Mask.direction.angles"),
             (Mask::snow().with_heights(Some([0.0, f32::INFINITY])), "Mask.heights"),
             (Mask::snow().with_patches(0.0, 0.5), "Mask.patches.size"),
             (Mask::snow().with_patches(1.0, 5.0), "Mask.patches.spread"),

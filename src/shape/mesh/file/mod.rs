@@ -16,7 +16,7 @@ use glam::DVec3;
 use self::soup::Soup;
 use super::{TriangleMesh, TriangleMeshError};
 use crate::ParameterError;
-use crate::shape::UpAxis;
+use crate::shape::{UpAxis, check_numbers};
 
 /// A kind of model file.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -111,10 +111,7 @@ impl Import {
     }
 
     fn check(&self) -> Result<(), ParameterError> {
-        let unit = self.unit;
-        ParameterError::unless((1e-9..=1e9).contains(&unit), "Import.unit", unit, "1e-9 to 1e9 metres")?;
-        let holds = self.offset.abs().cmple(DVec3::splat(1e12)).all();
-        ParameterError::unless(holds, "Import.offset", self.offset, "at most 1e12 units on every axis")
+        check_numbers("Import", self.unit, self.offset)
     }
 
     /// Reads a model. Takes about ten times as much memory as the file has bytes at most, whatever its header claims, and

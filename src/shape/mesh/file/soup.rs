@@ -4,7 +4,7 @@ use glam::{DVec3, Vec3};
 
 use super::polygon::triangulate;
 use super::{Import, MeshFormat, unreadable};
-use crate::shape::{LARGEST, TriangleMesh, TriangleMeshError, UpAxis};
+use crate::shape::{LARGEST, TriangleMesh, TriangleMeshError};
 
 /// Rounding to `f32` may move a corner by so much of the model's longest side; more would make another model of it.
 const MOST_ROUNDING: f64 = 1.0 / 256.0;
@@ -54,11 +54,7 @@ impl Soup {
     ) -> Result<TriangleMesh, TriangleMeshError> {
         let (mut low, mut high) = (DVec3::INFINITY, DVec3::NEG_INFINITY);
         for position in &mut self.positions {
-            let [x, y, z] = ((*position + import.offset) * import.unit).to_array();
-            *position = match import.up {
-                UpAxis::Y => DVec3::new(x, y, z),
-                UpAxis::Z => DVec3::new(x, z, -y),
-            };
+            *position = import.up.upright((*position + import.offset) * import.unit);
             (low, high) = (low.min(*position), high.max(*position));
         }
         let hint = "Import::with_offset moves a model nearer, Import::with_unit scales it";
