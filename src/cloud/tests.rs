@@ -160,6 +160,9 @@ fn what_an_f32_cannot_hold_is_refused() {
     let survey = "0 0 0\n530000.25 180000.5 12.125\n530001.25 180002.5 14.125\n";
     let error = Cloud::read_xyz(&Frame::default(), survey.as_bytes()).unwrap_err().to_string();
     assert!(error.contains("within 10 km") && error.contains("with_offset"), "{error}");
+    let pair = |apart: u32| format!("530000 0 0\n{} 0 0\n", 530_000 + apart);
+    assert!(Cloud::read_xyz(&Frame::default(), pair(10_000).as_bytes()).is_ok());
+    assert!(Cloud::read_xyz(&Frame::default(), pair(10_001).as_bytes()).is_err());
     let apart = survey.split_once('\n').expect("two lines").1;
     let cloud = Cloud::read_xyz(&Frame::default(), apart.as_bytes()).expect("a survey");
     assert_eq!(

@@ -110,7 +110,12 @@ fn what_is_wrong_with_a_qsm_is_named() {
     refused(with(1, "2,3,0,1,0,0,2,0,.1,1,0\n"), &["line 3", "circle"]);
     refused(with(1, "2,1.5,0,1,0,0,2,0,.1,1,0\n"), &["line 3", "whole number"]);
     refused(with(1, "2,0,0,1,0,0,2,0,.1,1,0\n"), &["2 trees"]);
-    refused(with(0, "1,0,0,0,0,9e9,1,0,.1,1,0\n"), &["10 km"]);
+    refused(with(0, "1,0,0,0,0,9e9,1,0,.1,1,0\n"), &["9000000000", "10 km"]);
+    let far = format!("{START}1,0,0,0,0,9e9,1,0,.1,1,0\n");
+    refused(
+        read_qsm(&Frame::default().with_offset(DVec3::ZERO), far.as_bytes()),
+        &["9000000000", "1e6", "Frame::with_offset"],
+    );
     assert_eq!(with(1, "2,1,0,1,0,0,2,0,0,1,0\n").map(|trees| trees.trees.len()).ok(), Some(1));
     let lone = Skeleton::new(vec![Vec3::ZERO], vec![None]).expect("a root");
     assert!(write_qsm(&lone, &Frame::default(), &mut Vec::new()).is_err());
