@@ -178,6 +178,12 @@ pub struct Limbs {
     pub bare: f32,
     /// Least and greatest length, metres; 0 and 0 if limbs reach for the crown's outline.
     pub length: [f32; 2],
+    /// Limbs that leave a limb on its way and are as strong: the mean number on one as long as the crown's radius.
+    pub forks: f32,
+    /// Angle of these to the limb, degrees.
+    pub forks_angle: f32,
+    /// Greatest radius of a limb over that of its stem.
+    pub thickest: f32,
     /// Dead limbs a metre of stem below the crown: in the open, and crowded in a stand.
     pub dead: [f32; 2],
 }
@@ -197,6 +203,9 @@ impl Default for Limbs {
             crooked: 8.0,
             bare: 0.2,
             length: [0.0; 2],
+            forks: 0.0,
+            forks_angle: 38.0,
+            thickest: 0.86,
             dead: [0.0; 2],
         }
     }

@@ -58,6 +58,9 @@ impl Species {
         fields.number("crooked", &mut limbs.crooked, [0.0, 90.0]);
         fields.number("bare", &mut limbs.bare, PART);
         fields.numbers("length", &mut limbs.length, METRES);
+        fields.number("forks", &mut limbs.forks, [0.0, 6.0]);
+        fields.number("forks_angle", &mut limbs.forks_angle, [5.0, 90.0]);
+        fields.number("thickest", &mut limbs.thickest, [0.05, 1.0]);
         fields.numbers("dead", &mut limbs.dead, [0.0, 40.0]);
         fields.section("branches");
         self.branches.fields(fields);

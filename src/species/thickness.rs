@@ -13,8 +13,8 @@ use crate::math;
 pub(super) const BREAST: f32 = 1.3;
 /// Exponents that trees have; beyond, radii are stretched.
 const EXPONENTS: [f32; 2] = [1.75, 3.0];
-/// No limb is thicker than this part of its stem.
-const LIMB: f32 = 0.86;
+/// No branch is thicker than this part of what bears it.
+const BRANCH: f32 = 0.86;
 
 /// The radius of each node. A diameter that was `asked` for is met however low the stem is.
 pub(super) fn radii(species: &Species, wood: &Wood, plan: &Numbers, asked: bool, mut draw: Draw) -> Vec<f32> {
@@ -63,7 +63,8 @@ pub(super) fn radii(species: &Species, wood: &Wood, plan: &Numbers, asked: bool,
         let mut factor = narrowed[parent];
         let thin = |radius: f32, factor: f32| tip + (radius - tip).max(0.0) * factor;
         if wood.orders[node] != wood.orders[parent] && radii[node] > tip {
-            let most = LIMB * radii[parent];
+            let of_stem = wood.ranks[parent] == Rank::Stem;
+            let most = if of_stem { species.limbs.thickest } else { BRANCH } * radii[parent];
             let now = thin(radii[node], factor);
             if now > most {
                 factor *= ((most - tip) / (now - tip).max(1e-6)).clamp(0.0, 1.0);
