@@ -24,6 +24,8 @@ const FORK: [f32; 2] = [0.22, 0.62];
 const FORKINGS: u16 = 3;
 /// The part of its way to the crown's outline that a fork must have, as a share of the crown's radius.
 const SHORTEST_FORK: f32 = 0.3;
+/// How deep below the ground the stems of one tree are joined, metres.
+const STOOL: f32 = 0.06;
 /// Most nodes of a tree.
 const MOST_NODES: usize = 3_000_000;
 
@@ -189,6 +191,11 @@ impl Growing<'_> {
         let count = ((end - from) / step).ceil().max(1.0);
         let high = (1..=count as usize).map(|i| from + (end - from) * i as f32 / count);
         let (order, mut nodes) = (u16::from(number > 0), vec![0]);
+        if number > 0 {
+            // It comes out of the ground where it stands; what joins it to the others is below.
+            let below = place(0.0) - Vec3::Y * STOOL;
+            nodes.push(self.wood.push(below, 0, order, Rank::Stem));
+        }
         for y in low.chain(high) {
             let parent = nodes.last().copied().unwrap_or(0);
             nodes.push(self.wood.push(place(y), parent, order, Rank::Stem));
