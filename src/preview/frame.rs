@@ -67,6 +67,8 @@ pub(super) struct Frame<'a> {
     solid: Option<&'a dyn Cast>,
     /// Height of the ground, and the middle and radius of the disc of it that is drawn.
     ground: Option<(Vec3, f32)>,
+    /// Whether something is below the ground.
+    buries: bool,
     projected: Vec<Vec<Vec3>>,
     facets: Vec<Facet>,
     /// The facets of each strip, and where they start.
@@ -88,6 +90,11 @@ impl<'a> Frame<'a> {
         ground: Option<(Vec3, f32)>,
     ) -> Self {
         let samples = preview.supersampling as usize;
+        let below = |height: f32| {
+            let low = parts.iter().flat_map(|part| part.positions.iter()).map(|place| place.y);
+            low.fold(f32::INFINITY, f32::min) < height
+        };
+        let buries = ground.is_some_and(|(middle, _)| below(middle.y));
         let mut frame = Self {
             preview,
             parts,
@@ -95,6 +102,7 @@ impl<'a> Frame<'a> {
             light,
             solid,
             ground,
+            buries,
             projected: Vec::new(),
             facets: Vec::new(),
             members: Vec::new(),
@@ -222,6 +230,7 @@ impl<'a> Frame<'a> {
         let Group { strip, shades } = group;
         let rows = self.strip.min(height - index * self.strip);
         strip.clear(index * self.strip * self.samples, rows * self.samples);
+        self.bury(strip);
         let members = &self.members[self.starts[index]..self.starts[index + 1]];
         self.fill(members, strip);
         self.cast(strip);
@@ -231,6 +240,20 @@ impl<'a> Frame<'a> {
             self.pixel(strip, shades, place, index * self.strip)
         };
         (0..width * rows).map(pixel).collect()
+    }
+
+    /// What is below the ground is hidden by it.
+    fn bury(&self, strip: &mut Strip) {
+        let Some((middle, _)) = self.ground.filter(|_| self.buries) else { return };
+        for row in 0..strip.rows {
+            for column in 0..self.columns {
+                let (x, y) = (column as f32 + 0.5, (strip.top + row) as f32 + 0.5);
+                let place = self.view.ground(x, y, middle.y).and_then(|point| self.view.project(point));
+                if let Some(place) = place {
+                    strip.solid[row * self.columns + column] = place.z;
+                }
+            }
+        }
     }
 
     fn fill(&self, members: &[u32], strip: &mut Strip) {
@@ -274,7 +297,7 @@ impl<'a> Frame<'a> {
                 }
                 let at = (y - strip.top) * self.columns + x;
                 strip.nearest[at] = strip.nearest[at].max(nearness);
-                if strip.facets[at] == NOTHING {
+                if strip.facets[at] == NOTHING && nearness > strip.solid[at] {
                     cracks.push(Crack { column: x, row: y - strip.top, member, nearness });
                 }
             });

@@ -81,7 +81,7 @@ impl Specimen {
         side: u32,
         shares: &[f32],
     ) -> Result<Vec<Asset>, AssetError> {
-        let sway = Sway::of(&self.skeleton)?;
+        let sway = Sway::of(&self.rooted())?;
         self.grown(triangles, side, shares)?.iter().map(|level| level.in_wind(&sway)).collect()
     }
 
@@ -100,7 +100,7 @@ impl Specimen {
             .with_texture_size(side)
             .with_leaf_size(Some((side / 4).clamp(32, 2048)));
         let mut levels =
-            builder.levels_with(&self.skeleton, &self.foliage().cloned().collect::<Vec<_>>(), shares)?;
+            builder.levels_with(&self.rooted(), &self.foliage().cloned().collect::<Vec<_>>(), shares)?;
         let lightest = linear(self.lightest());
         for level in &mut levels {
             let color = |node: u32| {

@@ -103,6 +103,8 @@ pub struct Trunk {
     pub profile: [f32; 3],
     /// Share by which the base is thicker than the taper alone gives.
     pub flare: f32,
+    /// Roots that show at the base of the trunk: fewest and most.
+    pub roots: [f32; 2],
     /// Height of the crown's base over that of the tree: in the open, and crowded in a stand.
     pub clear: [f32; 2],
 }
@@ -118,6 +120,7 @@ impl Default for Trunk {
             sweep: 3.0,
             profile: [0.83, 0.64, 0.40],
             flare: 0.3,
+            roots: [4.0, 6.0],
             clear: [0.2, 0.55],
         }
     }

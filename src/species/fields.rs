@@ -37,6 +37,7 @@ impl Species {
         fields.number("sweep", &mut trunk.sweep, [0.0, 45.0]);
         fields.numbers("profile", &mut trunk.profile, [0.01, 1.2]);
         fields.number("flare", &mut trunk.flare, [0.0, 3.0]);
+        fields.numbers("roots", &mut trunk.roots, [0.0, 12.0]);
         fields.numbers("clear", &mut trunk.clear, [0.0, 0.97]);
         fields.section("crown");
         let crown = &mut self.crown;

@@ -28,6 +28,7 @@ mod names;
 mod organ;
 mod outline;
 mod request;
+mod root;
 mod shade;
 mod specimen;
 mod sprig;

@@ -54,7 +54,7 @@ impl Specimen {
     /// # Errors
     /// As [`Tubes::mesh`].
     pub fn bark_mesh(&self, tubes: &Tubes) -> Result<Mesh, SurfaceError> {
-        let mut mesh = tubes.clone().with_wind(true).mesh(&self.skeleton)?;
+        let mut mesh = tubes.clone().with_wind(true).mesh(&self.rooted())?;
         mesh.colors = mesh.wind.iter().map(|wind| self.bark_color(wind.node as usize)).collect();
         mesh.wind = Vec::new();
         Ok(mesh)
@@ -68,6 +68,8 @@ impl Specimen {
             let t = t.clamp(0.0, 1.0);
             t * t * (3.0 - 2.0 * t)
         };
+        // Roots wear the bark of the trunk's base.
+        let node = if node < self.skeleton.len() { node } else { 0 };
         let (half, radius) = (0.5 * self.numbers.dbh, self.skeleton.radii()[node]);
         let old = smooth((radius / half - 0.45) / 0.35);
         let young = 1.0 - smooth((radius - 0.004) / (0.1 * half).clamp(0.004, 0.02));
