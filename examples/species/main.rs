@@ -11,6 +11,7 @@
 mod classify;
 #[path = "../common/mod.rs"]
 mod common;
+mod meadow;
 mod measure;
 mod reference;
 mod sheet;
@@ -43,6 +44,7 @@ Usage: species (--list | --species NAME | --file TEXT | --sheet | --table | --cl
                       trees    bare and in leaf, at one scale: species.png (default)
                       autumn   in autumn, at one scale: species-autumn.png
                       twigs    twigs, bare and in leaf: species-twigs.png
+                      meadow   several species in a meadow: species-meadow.png
                       blossom  blossom, fruit and cones: species-blossom.png
   --table             measures beside published figures, as Markdown
   --classify          how many trees are named right by the nearest centroid of their measures
@@ -65,6 +67,7 @@ enum Sheet {
     Autumn,
     Twigs,
     Blossom,
+    Meadow,
 }
 
 impl Sheet {
@@ -73,9 +76,11 @@ impl Sheet {
             None | Some("trees") => Ok(Self::Trees),
             Some("autumn") => Ok(Self::Autumn),
             Some("twigs") => Ok(Self::Twigs),
+            Some("meadow") => Ok(Self::Meadow),
             Some("blossom") => Ok(Self::Blossom),
             Some(other) => {
-                Err(format!("--sheet is {other:?}, but must be trees, autumn, twigs or blossom").into())
+                Err(format!("--sheet is {other:?}, but must be trees, autumn, twigs, blossom or meadow")
+                    .into())
             }
         }
     }
@@ -185,6 +190,7 @@ fn run(options: &Options) -> Result<(), Failure> {
                 Sheet::Trees => ("species.png", sheet::draw(options.seed)?),
                 Sheet::Autumn => ("species-autumn.png", sheet::autumn(options.seed)?),
                 Sheet::Twigs => ("species-twigs.png", twig::leaves(options.seed)?),
+                Sheet::Meadow => ("species-meadow.png", meadow::draw(options.seed)?),
                 Sheet::Blossom => ("species-blossom.png", twig::blossom(options.seed)?),
             };
             let path = outputs.path(name);

@@ -91,7 +91,7 @@ pub(crate) fn median(mut values: Vec<f64>) -> f64 {
     }
 }
 
-/// The median angle between limbs and the stem below them, over the first two internodes, degrees.
+/// The median angle between limbs of the first order and the stem below them, over the first two internodes, degrees.
 fn limb_angle(tree: &Specimen) -> f64 {
     let skeleton = &tree.skeleton;
     let places = skeleton.positions();
@@ -99,7 +99,7 @@ fn limb_angle(tree: &Specimen) -> f64 {
     for branch in skeleton.branches().iter() {
         let nodes = branch.nodes();
         let Some(&first) = nodes.get(1) else { continue };
-        if skeleton.stages()[first as usize] != 1 {
+        if skeleton.stages()[first as usize] != 1 || skeleton.stages()[nodes[0] as usize] != 0 {
             continue;
         }
         let base = nodes[0] as usize;

@@ -96,6 +96,9 @@ struct Stage<'a> {
     view: View,
 }
 
+/// What reaches below 0 by less than this part of its height is in the ground there.
+const ROOTED: f32 = 0.1;
+
 /// Draws meshes: sun with soft shadows, a sky that the crown darkens, the shadow on the ground, smooth edges, and
 /// twigs finer than a pixel that fade instead of breaking into dots.
 ///
@@ -223,7 +226,8 @@ impl Preview {
         self
     }
 
-    /// The height of the ground, metres; by default that of the lowest vertex.
+    /// The height of the ground, metres, which hides what is below it. By default 0 if the lowest vertex is below that by less than a
+    /// tenth of the height of the highest, as the roots of a tree are; else that of the lowest vertex.
     pub fn with_ground_height(mut self, height: f32) -> Self {
         self.ground_height = Some(height);
         self
@@ -321,7 +325,8 @@ impl Preview {
         }
         light.finish();
         let ground = self.shows_ground.then(|| {
-            let height = self.ground_height.unwrap_or(bounds.min.y);
+            let rooted = bounds.min.y < 0.0 && -bounds.min.y < ROOTED * bounds.max.y;
+            let height = self.ground_height.unwrap_or(if rooted { 0.0 } else { bounds.min.y });
             let size = bounds.size();
             (bounds.center().with_y(height), (0.75 * size.x.max(size.z) + 0.5 * size.y).max(1e-6))
         });

@@ -304,3 +304,23 @@ proptest! {
         prop_assert_eq!(picture.map(|p| (p.width(), p.height())).ok(), Some(size));
     }
 }
+
+/// A board that stands half in the ground is cut where it meets that, seen from above; from the same board without a ground nothing is cut.
+#[test]
+fn the_ground_hides_what_is_below_it() {
+    let frame = Bounds::new(Vec3::splat(-1.0), Vec3::splat(1.0));
+    let camera = Camera::default().with_elevation(0.5).with_azimuth(0.0).with_frame(frame);
+    for projection in [Projection::Orthographic, Projection::Perspective { field_of_view: 0.6 }] {
+        let preview = plain(200, 200)
+            .with_camera(camera.clone().with_projection(projection))
+            .with_bark(black())
+            .with_ground_height(0.0);
+        let covered = |preview: &Preview| -> f32 {
+            let picture = preview.draw(&board(0.9)).expect("a picture");
+            picture.pixels().iter().filter(|pixel| pixel[0] < 40).count() as f32
+        };
+        let (whole, half) = (covered(&preview), covered(&preview.clone().with_ground(true)));
+        assert!((half / whole - 0.5).abs() < 0.06, "{half} of {whole}");
+        assert!((covered(&preview.with_ground(true).with_ground_height(-0.9)) / whole - 1.0).abs() < 0.01);
+    }
+}

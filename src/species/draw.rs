@@ -15,6 +15,11 @@ impl Draw {
         Self { key: random::derive(seed, 0, Purpose::SPECIES), next: 0 }
     }
 
+    /// The seed of a species' trees: two species differ at the same seed.
+    pub(super) fn seed_of(latin: &str, seed: u64) -> u64 {
+        latin.bytes().fold(seed, |key, byte| random::derive(key ^ u64::from(byte), 0, Purpose::SPECIES))
+    }
+
     /// The numbers of the `index`-th thing of a kind that hangs on this.
     pub(super) fn child(&self, kind: u32, index: usize) -> Self {
         Self { key: random::derive(self.key ^ (index as u64), kind + 1, Purpose::SPECIES), next: 0 }

@@ -37,6 +37,8 @@ mod thickness;
 mod wood;
 
 #[cfg(test)]
+mod habit_tests;
+#[cfg(test)]
 mod tests;
 
 pub use data::{

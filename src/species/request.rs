@@ -149,7 +149,7 @@ impl<'a> Request<'a> {
         self
     }
 
-    /// The seed; default 0.
+    /// The seed; default 0. Species of different Latin names grow different trees from one seed.
     pub fn with_seed(mut self, seed: u64) -> Self {
         self.seed = seed;
         self
@@ -197,7 +197,7 @@ impl<'a> Request<'a> {
         within("years dead", self.dead, [0.0, 80.0], "years")?;
         within("storm damage", Some(self.damage), [0.0, 1.0], "of the limbs")?;
 
-        let mut draw = Draw::new(self.seed);
+        let mut draw = Draw::new(Draw::seed_of(&species.latin, self.seed));
         let [taller, wider, leafier] = size.spread.map(|spread| draw.factor(spread));
         let usual = size.usual_diameter * draw.factor(0.22);
         let vigor = draw.factor(0.15);

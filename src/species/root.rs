@@ -38,7 +38,7 @@ impl Specimen {
     fn with_roots(&self) -> Result<Skeleton, SkeletonError> {
         let skeleton = &self.skeleton;
         let trunk = &self.species.trunk;
-        let mut draw = Draw::new(self.seed).child(60, 0);
+        let mut draw = Draw::new(Draw::seed_of(&self.species.latin, self.seed)).child(60, 0);
         let count = draw.whole(trunk.roots);
         if count == 0 || trunk.stems[1] > 1.0 || self.numbers.dbh < THINNEST || skeleton.is_empty() {
             return Ok(skeleton.clone());

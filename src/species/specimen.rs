@@ -113,9 +113,10 @@ pub(super) fn grow(
     dbh: Option<f32>,
     seed: u64,
 ) -> Result<Specimen, SpeciesError> {
+    let own = Draw::seed_of(&species.latin, seed);
     let mut scale = Scale { radius: 1.0, density: 1.0 };
     let leaves = dress::wanted(species, plan.leaf_area);
-    let mut wood = architecture::grow(species, &plan, scale, seed)?;
+    let mut wood = architecture::grow(species, &plan, scale, own)?;
     for _ in 0..TRIALS {
         let width = crown_width(&wood) * plan.height / height(&wood);
         let off = plan.crown_width / width.max(0.01);
@@ -125,7 +126,7 @@ pub(super) fn grow(
         }
         scale.radius = (scale.radius * off).clamp(0.3, 3.0);
         scale.density = (scale.density * math::powf(dense, 0.7)).clamp(0.3, 3.0);
-        wood = architecture::grow(species, &plan, scale, seed)?;
+        wood = architecture::grow(species, &plan, scale, own)?;
     }
     if room(species, &wood) > MOST_LEAVES as f32 {
         let (field, value) = ("leaves.spacing", species.leaves.spacing);
@@ -137,7 +138,7 @@ pub(super) fn grow(
     for position in &mut wood.positions {
         *position *= factor;
     }
-    let radii = thickness::radii(species, &wood, &plan, dbh.is_some(), Draw::new(seed).child(30, 0));
+    let radii = thickness::radii(species, &wood, &plan, dbh.is_some(), Draw::new(own).child(30, 0));
     let mut numbers = plan;
     numbers.height = height(&wood);
     numbers.dbh = 2.0 * thickness::at_breast(&wood, &radii);
@@ -151,12 +152,12 @@ pub(super) fn grow(
     numbers.crown_width = crown_width(&wood);
     numbers.crown_base = crown_base(&wood).unwrap_or(numbers.crown_base);
     let whole = skeleton(&Timber::new(wood.clone(), radii.clone()))?;
-    let (mut dressed, area) = dress::dress(species, &whole, plan.leaf_area, plan.day, seed)?;
+    let (mut dressed, area) = dress::dress(species, &whole, plan.leaf_area, plan.day, own)?;
     numbers.leaf_area = area;
-    let mut organs = bear::bear(species, &whole, &numbers, seed);
+    let mut organs = bear::bear(species, &whole, &numbers, own);
     // What breaks and dies does so on the tree as it was.
     let mut timber = Timber::new(wood, radii);
-    let number = decay::wreck(&mut timber, &numbers, seed);
+    let number = decay::wreck(&mut timber, &numbers, own);
     let intact = numbers.dead.is_none() && numbers.damage <= 0.0;
     if !intact {
         let before = dressed.as_ref().map_or(0.0, Leaves::area);
@@ -167,7 +168,7 @@ pub(super) fn grow(
         numbers.leaf_area *= if before > 0.0 { (after / before) as f32 } else { 1.0 };
         if let Some(years) = numbers.dead {
             let evergreen = species.leaves.evergreen;
-            dressed = dressed.filter(|_| evergreen).and_then(|leaves| decay::wither(leaves, years, seed));
+            dressed = dressed.filter(|_| evergreen).and_then(|leaves| decay::wither(leaves, years, own));
             numbers.leaf_area = 0.0;
             organs.clear();
         }
@@ -177,7 +178,7 @@ pub(super) fn grow(
         numbers.crown_width = crown_width(&timber.wood);
         numbers.crown_base = crown_base(&timber.wood).unwrap_or(numbers.crown_base);
     }
-    decay::dead_limbs(&mut timber, species, &numbers, seed);
+    decay::dead_limbs(&mut timber, species, &numbers, own);
     let skeleton = if timber.radii.len() == whole.len() && intact { whole } else { skeleton(&timber)? };
     let bare = timber.bare;
     Ok(Specimen { species: species.clone(), skeleton, leaves: dressed, organs, numbers, seed, bare })
