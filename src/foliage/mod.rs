@@ -64,6 +64,19 @@ pub enum FoliageError {
         /// An upper bound of the leaves before thinning.
         leaves: f64,
     },
+    /// So far from the origin that 32-bit floats cannot tell the corners of a leaf apart.
+    #[error(
+        "at {position} m 32-bit floats have steps of {step} m, which no leaf of {length} m keeps its shape on; take an offset off \
+         the positions, such as the trunk base, place leaves there, and move them where numbers have more digits"
+    )]
+    Shapeless {
+        /// Where a leaf is, metres.
+        position: Vec3,
+        /// What is between one number and the next there, metres.
+        step: f32,
+        /// The size of the leaf, metres.
+        length: f32,
+    },
 }
 
 /// The leaves of a tree.
@@ -280,7 +293,8 @@ impl Foliage {
     /// The leaves of a tree. One that is only a root has none.
     ///
     /// # Errors
-    /// An option out of range; radii that are all zero though there are internodes; more than 16.8 million leaves.
+    /// An option out of range; radii that are all zero though there are internodes; more than 16.8 million leaves; a leaf so far
+    /// out that it is not eight steps of 32-bit floats long, [`FoliageError::Shapeless`].
     pub fn place(&self, skeleton: &Skeleton, seed: u64) -> Result<Leaves, FoliageError> {
         self.check()?;
         Ok(Leaves { leaf: self.leaf.clone(), instances: place::place(self, skeleton, seed)? })

@@ -4,9 +4,12 @@ use super::{Foliage, FoliageError, MOST_LEAVES};
 use crate::Skeleton;
 use crate::math::{self, UP, parallel_transport, perpendicular};
 use crate::random::{self, Purpose};
-use crate::surface::Instance;
+use crate::surface::{Instance, is_far, step};
 use glam::{Mat3, Quat, Vec3};
 use std::f32::consts::TAU;
+
+/// A leaf is at least so many steps of 32-bit floats long, so that it keeps its shape where it is copied to its place.
+const STEPS: f32 = 8.0;
 
 /// Uses of a leaf's random numbers; the stages of its streams.
 #[derive(Debug, Clone, Copy)]
@@ -45,6 +48,13 @@ pub(super) fn place(
     let mut leaves = Vec::with_capacity((expected * f64::from(foliage.kept)) as usize);
     for twig in &twigs {
         twig.place(seed, &mut leaves);
+    }
+    if is_far(skeleton) {
+        let size = foliage.leaf.mesh().bounds().map_or(0.0, |bounds| bounds.size().max_element());
+        let shapeless = |leaf: &&Instance| leaf.scale * size < STEPS * step(leaf.position);
+        if let Some(&Instance { position, scale, .. }) = leaves.iter().find(shapeless) {
+            return Err(FoliageError::Shapeless { position, step: step(position), length: scale * size });
+        }
     }
     Ok(leaves)
 }

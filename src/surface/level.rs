@@ -1,7 +1,7 @@
 //! One tree in several levels of detail.
 
 use super::weave::Plan;
-use super::{Mesh, SurfaceError, Tubes};
+use super::{Mesh, SurfaceError, Tubes, far};
 use crate::parallel;
 use crate::{Bounds, ParameterError, Skeleton};
 use std::{iter, mem};
@@ -89,6 +89,8 @@ impl Levels {
     pub fn of(&self, skeleton: &Skeleton) -> Result<Vec<Level>, SurfaceError> {
         ParameterError::unless((1..=32).contains(&self.count), "Levels.count", self.count, "1 to 32")?;
         let tubes = |error| self.tubes.clone().with_error(error);
+        let offset = far::offset_of(skeleton);
+        let skeleton = &*far::near(skeleton, offset);
         let mut next = Some((0, tubes(self.error).plan(skeleton)?));
         let size = Bounds::of(skeleton.positions().iter().copied()).size().length();
         let widest = skeleton.radii().iter().copied().fold(0.0, f32::max);
@@ -106,6 +108,7 @@ impl Levels {
                 || plan.weave(&tubes(error)),
                 || if is_last { Ok(None) } else { after(plan.triangles) },
             );
+            let mesh = far::back_open(mesh, offset)?;
             if mesh.is_empty() {
                 break;
             }
@@ -154,6 +157,8 @@ impl Tubes {
         let widest = skeleton.radii().iter().copied().fold(0.0, f32::max);
         let size = Bounds::of(skeleton.positions().iter().copied()).size().length();
         let tubes = |error| self.clone().with_error(error).with_unseen(UNSEEN);
+        let offset = far::offset_of(skeleton);
+        let skeleton = &*far::near(skeleton, offset);
         let first = (widest * LEAST).clamp(1e-6, f32::MAX);
         // At an error of the whole tree's size nothing is left to save.
         let mut errors = vec![first];
@@ -177,7 +182,8 @@ impl Tubes {
         let error = errors[high];
         let mut kept = vec![false; skeleton.branches().len()];
         found.axes.all.iter().for_each(|axis| kept[axis.branch] = true);
-        Ok((Level { mesh: found.weave(&tubes(error)), error }, kept))
+        let mesh = far::back_open(found.weave(&tubes(error)), offset)?;
+        Ok((Level { mesh, error }, kept))
     }
 }
 

@@ -25,6 +25,7 @@ pub mod blob;
 mod capsule;
 mod circle;
 mod collar;
+mod far;
 mod implicit;
 mod internodes;
 mod lanes;
@@ -47,6 +48,7 @@ mod wind;
 mod wood;
 
 pub use capsule::{Capsule, Capsules};
+pub(crate) use far::{is_far, step};
 pub use implicit::{Implicit, Polygonizer};
 #[cfg(feature = "preview")]
 pub(crate) use implicit::{solid, span};
@@ -117,5 +119,20 @@ pub enum SurfaceError {
         position: Vec3,
         /// Its radius, metres.
         radius: f32,
+    },
+    /// So far from the origin that 32-bit floats cannot tell the surface's vertices apart.
+    #[error(
+        "at {position} m 32-bit floats have steps of {step} m, which turn over or flatten the triangles of {}% of the \
+         surface; take an offset off the positions, such as the trunk base, make the surface there, and move it where \
+         numbers have more digits",
+        (lost * 100.0).ceil()
+    )]
+    Shapeless {
+        /// Where the surface is, metres; 0 on axes on which it is near the origin.
+        position: Vec3,
+        /// What is between one number and the next there, metres.
+        step: f32,
+        /// The share of the surface whose triangles lose their shape, 0 to 1.
+        lost: f32,
     },
 }

@@ -2,7 +2,7 @@
 
 use super::axis::Axes;
 use super::weave::Plan;
-use super::{Mesh, SurfaceError, Sway};
+use super::{Mesh, SurfaceError, Sway, far};
 use crate::math;
 use crate::skeleton::Branches;
 use crate::{ParameterError, Skeleton};
@@ -38,6 +38,9 @@ const MOST_WIDENING: f32 = 1.3;
 /// everywhere, and as wide but for the rounding, down to branches one square around; thinner ones squeeze one square.
 /// [`with_square_tiles`](Self::with_square_tiles) shortens squares where they are narrow. Caps of bases continue in metres.
 /// [Tangents](Mesh::tangents) are exact, not averaged over triangles.
+///
+/// **Far from the origin** a tree has the tubes that it has at the origin, with vertices rounded to what 32-bit floats have there:
+/// 1 mm at 10 km. Where that turns over or flattens more than 2% of the surface there is an error.
 ///
 /// O(nodes · sides) time and memory: 48 bytes a vertex, 24 bytes a quad.
 ///
@@ -213,9 +216,11 @@ impl Tubes {
     ///
     /// # Errors
     /// An option out of range; radii that are all zero though there are internodes; more vertices than 32-bit
-    /// indices can name; a node more than a million kilometres out or thick.
+    /// indices can name; a node more than a million kilometres out or thick; a tree so far out that floats cannot tell its
+    /// vertices apart, [`SurfaceError::Shapeless`].
     pub fn mesh(&self, skeleton: &Skeleton) -> Result<Mesh, SurfaceError> {
-        Ok(self.plan(skeleton)?.weave(self))
+        let offset = far::offset_of(skeleton);
+        far::back_open(self.plan(&far::near(skeleton, offset))?.weave(self), offset)
     }
 
     pub(super) fn plan(&self, skeleton: &Skeleton) -> Result<Plan, SurfaceError> {

@@ -14,6 +14,7 @@ mod drawn;
 mod editing;
 mod example;
 mod exports;
+mod far;
 mod figures;
 mod foliage;
 #[cfg(feature = "testing")]

@@ -99,7 +99,7 @@ impl RayCaster {
         parts: &[Part<'_>],
         observer: &dyn Observer,
     ) -> Result<Picture, PreviewError> {
-        let (field, _) = surface.field(skeleton)?;
+        let field = surface.field_there(skeleton)?;
         self.cast(&&field, parts, observer)
     }
 

@@ -8,6 +8,7 @@ use super::operator::{Contact, Operator};
 use super::primitive::{Leaf, Primitive, Range};
 use super::scene::{Kind, Scene, Warp};
 use crate::Bounds;
+use crate::surface::far;
 use glam::Affine3A;
 use std::sync::atomic::{AtomicU32, Ordering};
 
@@ -237,7 +238,8 @@ impl BlobTreeBuilder {
         if bounds.is_empty() || most < super::field::ISO {
             return Err(BlobError::Empty { most: if bounds.is_empty() { 0.0 } else { most } });
         }
-        let tree = BlobTree::new(Scene::new(&self, root)?);
+        let origin = far::offset(bounds.center(), bounds);
+        let tree = BlobTree::new(Scene::new(&self, root, origin)?, origin);
         let bounds = tree.bounds();
         if bounds.min.abs().max(bounds.max.abs()).max_element() > FARTHEST {
             return Err(BlobError::TooFar { bounds });

@@ -99,7 +99,8 @@ struct Frame {
 }
 
 impl Scene {
-    pub(super) fn new(drafts: &BlobTreeBuilder, root: u32) -> Result<Self, BlobError> {
+    /// Of what `root` is made of, all moved so that `origin` is its origin.
+    pub(super) fn new(drafts: &BlobTreeBuilder, root: u32, origin: Vec3) -> Result<Self, BlobError> {
         let mut scene = Self {
             kinds: Vec::with_capacity(drafts.entries.len()),
             bounds: Vec::with_capacity(drafts.entries.len()),
@@ -121,7 +122,7 @@ impl Scene {
                 frame.done += 1;
                 let mut warp = frame.warp;
                 if let Draft::Warp { warp: own, .. } = draft {
-                    warp = scene.warped(warp, &drafts.warps[*own as usize])?;
+                    warp = scene.warped(warp, &drafts.warps[*own as usize], origin)?;
                 }
                 let start = scene.kinds.len() as u32;
                 frames.push(Frame { node: part, warp, done: 0, start });
@@ -131,7 +132,8 @@ impl Scene {
             if let Some(kind) = draft.kind(leaf) {
                 let bounds = match draft {
                     Draft::Leaf(number) => {
-                        let leaf = Leaf::new(&drafts.leaves[*number as usize], frame.warp);
+                        let offset = if frame.warp == 0 { origin } else { Vec3::ZERO };
+                        let leaf = Leaf::new(&drafts.leaves[*number as usize].less(offset), frame.warp);
                         scene.leaves.push(leaf);
                         if frame.warp == 0 {
                             leaf.bounds()
@@ -152,8 +154,11 @@ impl Scene {
         Ok(scene)
     }
 
-    fn warped(&mut self, around: u32, own: &Warp) -> Result<u32, BlobError> {
-        let forth = self.warps[around as usize].forth * own.forth;
+    fn warped(&mut self, around: u32, own: &Warp, origin: Vec3) -> Result<u32, BlobError> {
+        let mut forth = self.warps[around as usize].forth * own.forth;
+        if around == 0 {
+            forth.translation -= glam::Vec3A::from(origin);
+        }
         let warp = Warp::new(forth).ok_or_else(|| BlobError::Singular { map: Box::new(forth) })?;
         self.warps.push(warp);
         Ok(self.warps.len() as u32 - 1)

@@ -4,6 +4,7 @@ use super::error::BlobError;
 use super::field::{FieldFunction, ISO};
 use super::{BARK, BlobTree, BlobTreeBuilder, Bounded, Contact, Curve, Node, Operator, Primitive};
 use crate::skeleton::Branches;
+use crate::surface::far;
 use crate::{ParameterError, Skeleton};
 use glam::Vec3;
 
@@ -174,6 +175,8 @@ impl Skin {
                 return Err(BlobError::Radius { node, radius });
             }
         }
+        let offset = far::offset_of(skeleton);
+        let skeleton = &*far::near(skeleton, offset);
         let last = skeleton.stages().iter().copied().max().unwrap_or_default();
         let age = self.age.unwrap_or(f32::from(last) + 1.0);
         let branches = skeleton.branches();
@@ -203,7 +206,7 @@ impl Skin {
             }
         }
         match done.first_mut().and_then(Option::take) {
-            Some(root) => tailor.builder.finish(root),
+            Some(root) => Ok(tailor.builder.finish(root)?.moved_to(offset)),
             None => Err(BlobError::Empty { most: 0.0 }),
         }
     }

@@ -15,7 +15,7 @@ mod vertex;
 
 pub use polygonizer::Polygonizer;
 
-use super::{Mesh, SurfaceError, Sway};
+use super::{Mesh, SurfaceError, Sway, far};
 use crate::{ParameterError, Skeleton};
 use brick::Bricks;
 use field::Field;
@@ -43,6 +43,9 @@ use solid::Solid;
 /// **Voxels** are as fine as the branches near: an octree of blocks of 4 · 4 · 4 voxels follows them, and neither empty space
 /// nor the inside of limbs is ever looked at. Marching cubes run on the dual of that octree. A branch thinner
 /// than the finest voxel is thickened to its radius, internodes without length are balls, and so is a root alone.
+///
+/// **Far from the origin** a tree has the surface that it has at the origin, with vertices rounded to what 32-bit floats have there:
+/// 1 mm at 10 km. Where that turns over or flattens more than 2% of the surface there is an error.
 ///
 /// Time and memory grow with the voxels at the surface: 48 bytes a vertex for the mesh and about 10 on the way to it, times
 /// the primitives felt at one place. Where that is too much, [longer triangles](Self::with_error) take a fifth of it, and
@@ -88,8 +91,8 @@ impl Default for Implicit {
 }
 
 impl Implicit {
-    /// The side of the finest voxels, metres, at least 1/32768 of the greatest coordinate, for 32-bit floats to tell
-    /// triangles' corners apart; default the thinnest radius above zero over the [detail](Self::with_detail), or that
+    /// The side of the finest voxels, metres, at least 1/32768 of how far the tree reaches from its root, or from the origin if
+    /// that is near, for 32-bit floats to tell triangles' corners apart; default the thinnest radius above zero over the [detail](Self::with_detail), or that
     /// limit. Branches thinner than this times the detail are thickened to it.
     pub fn with_voxel(mut self, side: f32) -> Self {
         self.voxel = Some(side);
@@ -135,15 +138,18 @@ impl Implicit {
     ///
     /// # Errors
     /// An option out of its range; radii that are all zero; more blocks than were allowed, or more vertices
-    /// than 32-bit indices can name; a node more than a million kilometres out or thick.
+    /// than 32-bit indices can name; a node more than a million kilometres out or thick; a tree so far out that floats cannot
+    /// tell its vertices apart, [`SurfaceError::Shapeless`].
     pub fn mesh(&self, skeleton: &Skeleton) -> Result<Mesh, SurfaceError> {
+        let offset = far::offset_of(skeleton);
+        let skeleton = &*far::near(skeleton, offset);
         let (field, voxel) = self.field(skeleton)?;
         let finish = if self.error > 0.0 { Finish::Longer(self.error) } else { Finish::Plain };
         let mut mesh = polygonize(&&field, voxel, self.most_blocks, finish)?;
         if self.wind {
             Sway::of(skeleton)?.clothe(&mut mesh);
         }
-        Ok(mesh)
+        far::back_closed(mesh, offset)
     }
 
     /// The field, and the side of the finest voxels.
@@ -159,6 +165,13 @@ impl Implicit {
         let range = format!("at least {finest} m, 1/32768 of the tree's reach, and finite");
         ParameterError::unless(voxel >= finest && voxel.is_finite(), "Implicit.voxel", voxel, &range)?;
         Ok((Field::new(skeleton, voxel * self.detail, self.blend, self.detail)?, voxel))
+    }
+
+    /// The field of a tree wherever it is, not to be polygonized.
+    #[cfg_attr(not(feature = "preview"), allow(dead_code, reason = "only rays ask"))]
+    pub(crate) fn field_there(&self, skeleton: &Skeleton) -> Result<Field, SurfaceError> {
+        let offset = far::offset_of(skeleton);
+        Ok(self.field(&far::near(skeleton, offset))?.0.moved_to(offset))
     }
 
     fn check(&self) -> Result<(), ParameterError> {

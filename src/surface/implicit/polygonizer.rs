@@ -3,7 +3,7 @@
 use super::{FINEST, Finish, polygonize};
 use crate::ParameterError;
 use crate::surface::blob::BlobTree;
-use crate::surface::{Mesh, SurfaceError};
+use crate::surface::{Mesh, SurfaceError, far};
 
 /// One closed mesh of a [`BlobTree`], with its colours.
 ///
@@ -42,7 +42,7 @@ impl Default for Polygonizer {
 }
 
 impl Polygonizer {
-    /// The side of the finest voxels, metres, at least 1/32768 of the greatest coordinate, for 32-bit floats to tell
+    /// The side of the finest voxels, metres, at least 1/32768 of the solid's reach, for 32-bit floats to tell
     /// triangles' corners apart; default 1/1024 of the longest side of the box around all that is felt, or that limit.
     pub fn with_voxel(mut self, side: f32) -> Self {
         self.voxel = Some(side);
@@ -66,8 +66,11 @@ impl Polygonizer {
     /// The surface. With the feature `parallel`, on rayon's threads.
     ///
     /// # Errors
-    /// An option out of its range; more blocks than were allowed, or more vertices than 32-bit indices can name.
+    /// An option out of its range; more blocks than were allowed, or more vertices than 32-bit indices can name; a solid so far
+    /// out that floats cannot tell its vertices apart, [`SurfaceError::Shapeless`].
     pub fn mesh(&self, tree: &BlobTree) -> Result<Mesh, SurfaceError> {
+        let offset = tree.origin();
+        let tree = &tree.at_origin();
         let bounds = tree.bounds();
         let finest = bounds.min.abs().max(bounds.max.abs()).max_element() * FINEST;
         let voxel = self.voxel.unwrap_or((bounds.size().max_element() / 1024.0).max(finest));
@@ -77,7 +80,7 @@ impl Polygonizer {
         let holds = (1..=100_000_000).contains(&self.most_blocks);
         ParameterError::unless(holds, "Polygonizer.most_blocks", self.most_blocks, "1 to 100 million")?;
         let finish = if self.colors { Finish::Colored } else { Finish::Plain };
-        polygonize(tree, voxel, self.most_blocks, finish)
+        far::back_closed(polygonize(tree, voxel, self.most_blocks, finish)?, offset)
     }
 }
 
