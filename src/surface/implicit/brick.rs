@@ -1,5 +1,6 @@
 //! An octree whose leaves hold four voxels in each direction: the sparse blocks along the surface.
 
+use super::Voxels;
 use super::grow::{Cube, Grid};
 use super::solid::{Part, Solid};
 use crate::parallel;
@@ -100,10 +101,11 @@ struct Path {
 }
 
 impl<P: Part> Bricks<P> {
-    /// The blocks that the surface may pass, at most `most`. A voxel's side is `voxel` metres times the greatest power of
-    /// two that does not exceed the [detail](Part::detail) in its block, or half of that next to smaller ones: blocks that
+    /// The blocks that the surface may pass, at most so many. A voxel's side is the finest's times the greatest power of two of
+    /// which so many do not exceed the [detail](Part::detail) in its block, or half of that next to smaller ones: blocks that
     /// touch differ by one level at most, or one of them is empty.
-    pub(super) fn new(solid: &impl Solid<Part = P>, voxel: f32, most: usize) -> Result<Self, SurfaceError> {
+    pub(super) fn new(solid: &impl Solid<Part = P>, voxels: &Voxels) -> Result<Self, SurfaceError> {
+        let Voxels { side: voxel, per_detail, most_blocks: most } = *voxels;
         // The voxels at the octree's border, at most a quarter of its side long, have their middles outside.
         let bounds = solid.bounds();
         let least = bounds.size().max_element() * (4.0 / 3.0);
@@ -113,7 +115,7 @@ impl<P: Part> Bricks<P> {
             nodes: vec![Node::Empty(false).into()],
             leaves: Vec::new(),
             parts: Vec::new(),
-            grid: Grid { origin, voxel },
+            grid: Grid { origin, voxel, per_detail },
             top,
         };
         if bounds.is_empty() {

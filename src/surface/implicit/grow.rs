@@ -23,6 +23,8 @@ pub(super) struct Grid {
     pub(super) origin: Vec3,
     /// The side of the finest, metres.
     pub(super) voxel: f32,
+    /// The least number of them in the detail of a place.
+    pub(super) per_detail: f32,
 }
 
 /// A cube of the octree still to be looked at.
@@ -176,7 +178,11 @@ impl Grid {
         if value.abs() > part.lipschitz() * bounds.size().length() * 0.5 {
             return Look::Empty(value > 0.0);
         }
-        if cube.level > 0 && step > part.detail() { Look::Split(part) } else { Look::Brick(part) }
+        if cube.level > 0 && step * self.per_detail > part.detail() {
+            Look::Split(part)
+        } else {
+            Look::Brick(part)
+        }
     }
 }
 

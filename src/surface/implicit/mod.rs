@@ -145,7 +145,8 @@ impl Implicit {
         let skeleton = &*far::near(skeleton, offset);
         let (field, voxel) = self.field(skeleton)?;
         let finish = if self.error > 0.0 { Finish::Longer(self.error) } else { Finish::Plain };
-        let mut mesh = polygonize(&&field, voxel, self.most_blocks, finish)?;
+        let voxels = Voxels { side: voxel, per_detail: 1.0, most_blocks: self.most_blocks };
+        let mut mesh = polygonize(&&field, &voxels, finish)?;
         if self.wind {
             Sway::of(skeleton)?.clothe(&mut mesh);
         }
@@ -193,14 +194,20 @@ impl Implicit {
     }
 }
 
-/// The closed surface of a solid, on voxels of `voxel` metres times powers of two, in at most so many blocks.
-pub(crate) fn polygonize(
-    solid: &impl Solid,
-    voxel: f32,
-    most_blocks: usize,
-    finish: Finish,
-) -> Result<Mesh, SurfaceError> {
-    march::march(Bricks::new(solid, voxel, most_blocks)?, finish)
+/// How fine a solid is to be seen.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Voxels {
+    /// The side of the finest, metres; others are as long times a power of two.
+    pub(crate) side: f32,
+    /// The least number in the [detail](solid::Part::detail) of a place; infinite if all are to be the finest.
+    pub(crate) per_detail: f32,
+    /// The greatest number of blocks of them.
+    pub(crate) most_blocks: usize,
+}
+
+/// The closed surface of a solid.
+pub(crate) fn polygonize(solid: &impl Solid, voxels: &Voxels, finish: Finish) -> Result<Mesh, SurfaceError> {
+    march::march(Bricks::new(solid, voxels)?, finish)
 }
 
 #[cfg(test)]
