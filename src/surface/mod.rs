@@ -67,6 +67,7 @@ pub(crate) use wind::Air;
 pub use wind::Wind;
 
 use crate::ParameterError;
+use crate::observer::Cancelled;
 use glam::Vec3;
 
 /// Why no surface can be made of a skeleton.
@@ -76,6 +77,9 @@ pub enum SurfaceError {
     /// An option out of its range.
     #[error(transparent)]
     Parameter(#[from] ParameterError),
+    /// The observer cancelled the work.
+    #[error("cancelled by the observer")]
+    Cancelled,
     /// Every radius is zero: no radius model has been applied yet.
     #[error("all {nodes} nodes have the radius zero; give them some, e.g. by radius::PipeModel")]
     NoRadii {
@@ -85,7 +89,7 @@ pub enum SurfaceError {
     /// The closed surface needs more blocks of voxels than were allowed.
     #[error(
         "the surface needs more than the {most} blocks allowed (most_blocks), each of 4 x 4 x 4 voxels, at a finest \
-         voxel of {voxel} m; allow more, which take about 0.6 GB a million, or use a larger voxel or a smaller detail"
+         voxel of {voxel} m, a block counting once more for every 32 primitives felt in it; allow more, which take about 0.6 GB a million, or use a larger voxel or a smaller detail"
     )]
     TooManyBlocks {
         /// The side of the finest voxels, metres.
@@ -101,14 +105,16 @@ pub enum SurfaceError {
         /// Least number that the trunk needs.
         least: usize,
     },
-    /// More vertices than 32-bit indices can name.
+    /// More vertices than are made: [`Tubes`] make at most 150 million, which take 11 GB with their triangles; other surfaces as
+    /// many as 32-bit indices can name.
     #[error(
-        "the mesh would need {vertices} vertices, but 32-bit indices name at most {}; use fewer sides",
-        u32::MAX
+        "the mesh would need {vertices} vertices, but at most {most} are made; use fewer sides, or a larger error or voxel"
     )]
     TooLarge {
         /// An upper bound of the vertices needed.
         vertices: usize,
+        /// The most that are made.
+        most: usize,
     },
     /// A node so far out or so thick that its surface cannot be computed in 32-bit floats.
     #[error("node {node} at {position} with the radius {radius} reaches beyond a million kilometres")]
@@ -135,4 +141,10 @@ pub enum SurfaceError {
         /// The share of the surface whose triangles lose their shape, 0 to 1.
         lost: f32,
     },
+}
+
+impl From<Cancelled> for SurfaceError {
+    fn from(_: Cancelled) -> Self {
+        Self::Cancelled
+    }
 }

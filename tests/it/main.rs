@@ -50,3 +50,4 @@ mod shapes;
 mod stability;
 mod surface;
 mod variational;
+mod watched;

@@ -89,6 +89,10 @@ impl Part for BlobPart {
         self.detail
     }
 
+    fn count(&self) -> usize {
+        self.len()
+    }
+
     fn lipschitz(&self) -> f32 {
         self.lipschitz()
     }

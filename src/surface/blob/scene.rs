@@ -8,6 +8,7 @@ use super::jet::Jet;
 use super::operator::Operator;
 use super::primitive::{Leaf, Range};
 use crate::Bounds;
+use crate::observer::Watch;
 use crate::surface::implicit::span::{Passage, Span};
 use glam::{Affine3A, Mat3A, Vec3};
 use smallvec::SmallVec;
@@ -100,7 +101,12 @@ struct Frame {
 
 impl Scene {
     /// Of what `root` is made of, all moved so that `origin` is its origin.
-    pub(super) fn new(drafts: &BlobTreeBuilder, root: u32, origin: Vec3) -> Result<Self, BlobError> {
+    pub(super) fn new(
+        drafts: &BlobTreeBuilder,
+        root: u32,
+        origin: Vec3,
+        watch: &Watch<'_>,
+    ) -> Result<Self, BlobError> {
         let mut scene = Self {
             kinds: Vec::with_capacity(drafts.entries.len()),
             bounds: Vec::with_capacity(drafts.entries.len()),
@@ -128,6 +134,7 @@ impl Scene {
                 frames.push(Frame { node: part, warp, done: 0, start });
                 continue;
             }
+            watch.pass(1)?;
             let leaf = scene.leaves.len() as u32;
             if let Some(kind) = draft.kind(leaf) {
                 let bounds = match draft {

@@ -290,6 +290,10 @@ impl Part for Felt<'_> {
         self.detail
     }
 
+    fn count(&self) -> usize {
+        self.near.len()
+    }
+
     fn lipschitz(&self) -> f32 {
         self.lipschitz
     }

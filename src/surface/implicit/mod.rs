@@ -16,6 +16,7 @@ mod vertex;
 pub use polygonizer::Polygonizer;
 
 use super::{Mesh, SurfaceError, Sway, far};
+use crate::observer::{Observer, Silent, Watch, Work, report};
 use crate::{ParameterError, Skeleton};
 use brick::Bricks;
 use field::Field;
@@ -121,7 +122,8 @@ impl Implicit {
         self
     }
 
-    /// The greatest number of blocks, 1 to 100 million; default two million, which take about 1.2 GB, the mesh included.
+    /// The greatest number of blocks, 1 to 100 million; default two million, which take about 1.2 GB, the mesh included. A
+    /// block in which many primitives are felt counts once more for every 32 of them, as where thousands of branches meet.
     pub fn with_most_blocks(mut self, blocks: usize) -> Self {
         self.most_blocks = blocks;
         self
@@ -141,16 +143,27 @@ impl Implicit {
     /// than 32-bit indices can name; a node more than a million kilometres out or thick; a tree so far out that floats cannot
     /// tell its vertices apart, [`SurfaceError::Shapeless`].
     pub fn mesh(&self, skeleton: &Skeleton) -> Result<Mesh, SurfaceError> {
+        self.mesh_observed(skeleton, &Silent)
+    }
+
+    /// As [`mesh`](Self::mesh), telling `observer` how far it is and stopping when told to.
+    ///
+    /// # Errors
+    /// As [`mesh`](Self::mesh), and [`SurfaceError::Cancelled`].
+    pub fn mesh_observed(&self, skeleton: &Skeleton, observer: &dyn Observer) -> Result<Mesh, SurfaceError> {
         let offset = far::offset_of(skeleton);
         let skeleton = &*far::near(skeleton, offset);
         let (field, voxel) = self.field(skeleton)?;
         let finish = if self.error > 0.0 { Finish::Longer(self.error) } else { Finish::Plain };
         let voxels = Voxels { side: voxel, per_detail: 1.0, most_blocks: self.most_blocks };
-        let mut mesh = polygonize(&&field, &voxels, finish)?;
+        let mut mesh = polygonize(&&field, &voxels, finish, observer)?;
         if self.wind {
-            Sway::of(skeleton)?.clothe(&mut mesh);
+            let watch = Watch::part(observer, Work::Surface, 0.9..1.0, mesh.positions.len(), 8192);
+            Sway::of(skeleton)?.clothe_watched(&mut mesh, &watch)?;
         }
-        far::back_closed(mesh, offset)
+        let mesh = far::back_closed(mesh, offset)?;
+        report(observer, Work::Surface, 1.0)?;
+        Ok(mesh)
     }
 
     /// The field, and the side of the finest voxels.
@@ -205,9 +218,21 @@ pub(crate) struct Voxels {
     pub(crate) most_blocks: usize,
 }
 
+/// Cubes looked at from one report to the next, and blocks in the making.
+const GROWING: usize = 1024;
+const MARCHING: usize = 64;
+
 /// The closed surface of a solid.
-pub(crate) fn polygonize(solid: &impl Solid, voxels: &Voxels, finish: Finish) -> Result<Mesh, SurfaceError> {
-    march::march(Bricks::new(solid, voxels)?, finish)
+pub(crate) fn polygonize(
+    solid: &impl Solid,
+    voxels: &Voxels,
+    finish: Finish,
+    observer: &dyn Observer,
+) -> Result<Mesh, SurfaceError> {
+    let watch = Watch::part(observer, Work::Surface, 0.0..0.3, 1 << 17, GROWING);
+    let bricks = Bricks::new(solid, voxels, &watch)?;
+    let watch = Watch::part(observer, Work::Surface, 0.3..0.9, bricks.leaves.len(), MARCHING);
+    march::march(bricks, finish, &watch)
 }
 
 #[cfg(test)]

@@ -2,6 +2,7 @@
 
 use super::{COVERING, FINEST, Finish, Voxels, polygonize};
 use crate::ParameterError;
+use crate::observer::{Observer, Silent, Work, report};
 use crate::surface::blob::BlobTree;
 use crate::surface::{Mesh, SurfaceError, far};
 
@@ -67,7 +68,8 @@ impl Polygonizer {
         self
     }
 
-    /// The greatest number of blocks of 4 · 4 · 4 voxels, 1 to 100 million; default two million.
+    /// The greatest number of blocks of 4 · 4 · 4 voxels, 1 to 100 million; default two million. A block in which many primitives or
+    /// operators are felt counts once more for every 32 of them.
     pub fn with_most_blocks(mut self, blocks: usize) -> Self {
         self.most_blocks = blocks;
         self
@@ -87,6 +89,14 @@ impl Polygonizer {
     /// An option out of its range; more blocks than were allowed, or more vertices than 32-bit indices can name; a solid so far
     /// out that floats cannot tell its vertices apart, [`SurfaceError::Shapeless`].
     pub fn mesh(&self, tree: &BlobTree) -> Result<Mesh, SurfaceError> {
+        self.mesh_observed(tree, &Silent)
+    }
+
+    /// As [`mesh`](Self::mesh), telling `observer` how far it is and stopping when told to.
+    ///
+    /// # Errors
+    /// As [`mesh`](Self::mesh), and [`SurfaceError::Cancelled`].
+    pub fn mesh_observed(&self, tree: &BlobTree, observer: &dyn Observer) -> Result<Mesh, SurfaceError> {
         let offset = tree.origin();
         let tree = &tree.at_origin();
         let bounds = tree.bounds();
@@ -103,7 +113,9 @@ impl Polygonizer {
         ParameterError::unless(holds, "Polygonizer.detail", per_detail, "0.867 to 64")?;
         let voxels = Voxels { side: voxel, per_detail, most_blocks: self.most_blocks };
         let finish = if self.colors { Finish::Colored } else { Finish::Plain };
-        far::back_closed(polygonize(tree, &voxels, finish)?, offset)
+        let mesh = far::back_closed(polygonize(tree, &voxels, finish, observer)?, offset)?;
+        report(observer, Work::Surface, 1.0)?;
+        Ok(mesh)
     }
 }
 

@@ -15,7 +15,7 @@ pub(super) fn polygonize(
     most_blocks: usize,
     finish: Finish,
 ) -> Result<Mesh, SurfaceError> {
-    super::polygonize(solid, &Voxels { side, per_detail: 1.0, most_blocks }, finish)
+    super::polygonize(solid, &Voxels { side, per_detail: 1.0, most_blocks }, finish, &crate::Silent)
 }
 
 /// Solids whose value is the distance from their surface, at least near to it, in metres.

@@ -44,6 +44,10 @@ pub(super) fn volume(mesh: &Mesh) -> f64 {
     corners.map(|[a, b, c]| a.dot(b.cross(c)) / 6.0).sum()
 }
 
+fn silent() -> Watch<'static> {
+    Watch::silent()
+}
+
 fn chain(points: &[Vec3], radius: f32) -> Skeleton {
     let parents = (0..points.len() as u32).map(|i| i.checked_sub(1)).collect();
     let skeleton = Skeleton::new(points.to_vec(), parents).expect("a chain is a skeleton");
@@ -173,7 +177,8 @@ fn the_gradient_is_the_differences_and_the_normals() {
 fn blocks_are_as_dense_as_the_whole_field() {
     let (field, voxel) = Implicit::default().field(&fork(0.05, 0.8)).expect("sound");
     let bricks =
-        Bricks::new(&&field, &Voxels { side: voxel, per_detail: 1.0, most_blocks: 10_000 }).expect("blocks");
+        Bricks::new(&&field, &Voxels { side: voxel, per_detail: 1.0, most_blocks: 10_000 }, &silent())
+            .expect("blocks");
     let all = whole(&field);
     for (number, brick) in bricks.leaves.iter().enumerate() {
         let values = bricks.sample(number);
@@ -214,7 +219,7 @@ fn longer_triangles_are_few_and_near() {
     let [plain, mesh] =
         [0.0, 0.1].map(|error| surface.clone().with_error(error).mesh(&skeleton).expect("a surface"));
     let voxels = Voxels { side: voxel, per_detail: 1.0, most_blocks: 1_000_000 };
-    assert!(Bricks::new(&&field, &voxels).expect("blocks").leaves.len() > 3 * march::PATCH);
+    assert!(Bricks::new(&&field, &voxels, &silent()).expect("blocks").leaves.len() > 3 * march::PATCH);
     assert_eq!(euler(&mesh), euler(&plain));
     assert!(
         mesh.positions.len() * 3 < plain.positions.len(),
