@@ -6,6 +6,7 @@ mod allocations;
 mod asset;
 #[cfg(feature = "json")]
 mod bad_input;
+mod bent;
 mod blob;
 #[cfg(feature = "testing")]
 mod climbing;
