@@ -88,7 +88,7 @@ fn poplar() -> Vec<Vec<String>> {
     for detail in if measure::is_test() { [64.0, 128.0] } else { [1024.0, 8192.0] } {
         let before = HEAP.current_usage();
         let voxel = tree.bounds().size().max_element() / detail;
-        let surface = Polygonizer::default().with_voxel(voxel).with_most_blocks(20_000_000);
+        let surface = Polygonizer::default().with_voxel(voxel).with_detail(1.0).with_most_blocks(20_000_000);
         let mesh = surface.mesh(&tree).expect("a surface");
         note(format!("polygons, {detail} voxels a side: {} vertices", count(mesh.positions.len())), before);
     }

@@ -52,7 +52,7 @@ fn run() {
     };
     let polygons = |detail: usize| {
         let voxel = tree.bounds().size().max_element() / measure::size(detail, 128) as f32;
-        let surface = Polygonizer::default().with_voxel(voxel).with_most_blocks(20_000_000);
+        let surface = Polygonizer::default().with_voxel(voxel).with_detail(1.0).with_most_blocks(20_000_000);
         surface.mesh(&tree).expect("a surface").positions.len()
     };
     let frames = measure::size(FRAMES, 3);

@@ -1,7 +1,9 @@
 //! Baked pictures side by side in one image: colours bled under the edge, normals, light from behind.
 
+use super::AssetError;
 use super::bake::{Baked, Pixel};
-use crate::texture::{Image, TextureError, Textures, Tones};
+use crate::observer::Watch;
+use crate::texture::{Image, Textures, Tones};
 use glam::Vec3;
 
 /// Empty pixels about what is drawn in a cell, at full size.
@@ -44,12 +46,14 @@ impl Grid {
 }
 
 /// An atlas of pictures, each of the inner size of a cell, their colours multiplied by `gain`. Cells have at least two pixels a side.
+/// A step for 32 pixels.
 pub(super) fn textures(
     grid: Grid,
     cells: &[Baked],
     gain: [f32; 3],
     cutoff: Option<f32>,
-) -> Result<Textures, TextureError> {
+    watch: &Watch<'_>,
+) -> Result<Textures, AssetError> {
     let Grid { cell, columns, rows } = grid;
     let (width, height) = (columns * cell, rows * cell);
     let tones = Tones::new();
@@ -59,6 +63,7 @@ pub(super) fn textures(
     let (wide, high) = (width / 2, height / 2);
     let mut glow = vec![0.0f32; wide * high * 3];
     for (number, baked) in cells.iter().enumerate() {
+        watch.pass(cell * cell / 32)?;
         let filled = bled(&framed(baked, cell), cell);
         let (left, top) = (number % columns * cell, number / columns * cell);
         for (i, pixel) in filled.iter().enumerate() {
@@ -75,6 +80,7 @@ pub(super) fn textures(
             color[at * 4 + 3] = (pixel.cover * 255.0 + 0.5) as u8;
         }
     }
+    watch.pass(width * height / 32)?;
     let transmission = glow.into_iter().map(|channel| tones.of(channel)).collect();
     let (width, height) = (width as u32, height as u32);
     let textures = Textures::default()

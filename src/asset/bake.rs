@@ -3,6 +3,7 @@
 
 use super::skin::Skin;
 use crate::math;
+use crate::observer::Watch;
 use crate::surface::{Instance, Mesh};
 use glam::{Mat3, Vec2, Vec3};
 use std::borrow::Cow;
@@ -119,13 +120,16 @@ impl Raster {
         Self { view, width, height, samples, all: vec![nothing; width * height * samples * samples] }
     }
 
-    /// Adds what is drawn. O(triangles + points that they cover).
-    pub(super) fn draw(&mut self, drawn: &Drawn<'_>) {
+    /// Adds what is drawn, a step for 20 triangles. O(triangles + points that they cover).
+    pub(super) fn draw(&mut self, drawn: &Drawn<'_>, watch: &Watch<'_>) {
         let matrix = self.view.matrix();
         let size = Vec2::new((self.width * self.samples) as f32, (self.height * self.samples) as f32);
         let scale = size / (2.0 * self.view.half);
         let mut corners = Vec::with_capacity(drawn.mesh.positions.len());
         for copy in &*drawn.copies {
+            if !watch.steps(1 + drawn.mesh.indices.len() / 64) {
+                return;
+            }
             let turned = matrix * copy.rotation_matrix();
             let scaled = turned * copy.scale;
             let offset = matrix * (copy.position - self.view.center);

@@ -1,9 +1,10 @@
 //! A tree in leaf within a budget of triangles.
 
-use super::tree::Tree;
+use super::tree::{DRAWN, Tree};
 use super::young::{self, Young};
 use super::{Asset, AssetError, Piece};
 use crate::foliage::{Foliage, Leaves};
+use crate::observer::{Observer, Silent, Watch, Work};
 use crate::surface::{Material, Tubes};
 use crate::texture::{Bark, Image, Textures};
 use crate::{ParameterError, Skeleton};
@@ -209,11 +210,33 @@ impl AssetBuilder {
     /// An option out of range; a budget too small for the trunk and one card, [`AssetError::TooFewTriangles`]; whatever
     /// [`Foliage::place`] and [`Tubes::mesh`] refuse.
     pub fn build(&self, skeleton: &Skeleton, seed: u64) -> Result<Asset, AssetError> {
-        let leaves = match &self.foliage {
-            Some(foliage) => vec![foliage.place(skeleton, seed)?],
-            None => Vec::new(),
-        };
-        self.build_with(skeleton, &leaves)
+        self.build_observed(skeleton, seed, &Silent)
+    }
+
+    /// As [`build`](Self::build), telling `observer` how far it is and stopping when told to.
+    ///
+    /// # Errors
+    /// As [`build`](Self::build), and [`AssetError::Cancelled`].
+    pub fn build_observed(
+        &self,
+        skeleton: &Skeleton,
+        seed: u64,
+        observer: &dyn Observer,
+    ) -> Result<Asset, AssetError> {
+        self.build_with_observed(skeleton, &self.placed(skeleton, seed, observer)?, observer)
+    }
+
+    /// The leaves of the foliage.
+    pub(super) fn placed(
+        &self,
+        skeleton: &Skeleton,
+        seed: u64,
+        observer: &dyn Observer,
+    ) -> Result<Vec<Leaves>, AssetError> {
+        match &self.foliage {
+            Some(foliage) => Ok(vec![foliage.place_observed(skeleton, seed, observer)?]),
+            None => Ok(Vec::new()),
+        }
     }
 
     /// The asset of a tree with these leaves, such as those of a tree that grows over the years
@@ -222,8 +245,24 @@ impl AssetBuilder {
     /// # Errors
     /// As [`build`](Self::build); leaves at nodes that do not exist.
     pub fn build_with(&self, skeleton: &Skeleton, leaves: &[Leaves]) -> Result<Asset, AssetError> {
-        let tree = Tree::new(self, skeleton, leaves)?;
-        Ok(tree.level(self.triangles, self.texture_size, None)?.0)
+        self.build_with_observed(skeleton, leaves, &Silent)
+    }
+
+    /// As [`build_with`](Self::build_with), telling `observer` how far it is and stopping when told to.
+    ///
+    /// # Errors
+    /// As [`build_with`](Self::build_with), and [`AssetError::Cancelled`].
+    pub fn build_with_observed(
+        &self,
+        skeleton: &Skeleton,
+        leaves: &[Leaves],
+        observer: &dyn Observer,
+    ) -> Result<Asset, AssetError> {
+        let watch = watch(skeleton, leaves, observer);
+        let tree = Tree::new(self, skeleton, leaves, &watch)?;
+        let (asset, _) = tree.level(self.triangles, self.texture_size, None)?;
+        watch.finish()?;
+        Ok(asset)
     }
 
     pub(super) fn check(&self) -> Result<(), AssetError> {
@@ -282,4 +321,10 @@ impl AssetBuilder {
 pub(super) fn check_side(name: &str, side: u32) -> Result<(), ParameterError> {
     let holds = side.is_power_of_two() && (128..=Image::LONGEST_SIDE).contains(&side);
     ParameterError::unless(holds, name, side, "a power of two, 128 to 8192 pixels")
+}
+
+/// Of an asset in the making: bark is planned a few times, and the dense model drawn from four sides.
+pub(super) fn watch<'a>(skeleton: &Skeleton, leaves: &[Leaves], observer: &'a dyn Observer) -> Watch<'a> {
+    let triangles: u64 = leaves.iter().map(|leaves| leaves.part().triangles()).sum();
+    Watch::new(observer, Work::Asset, 20 * skeleton.len() + 4 * triangles as usize / 20, DRAWN)
 }

@@ -4,6 +4,7 @@ use super::atlas::Grid;
 use super::bake::{Baked, Drawn, Raster, View};
 use super::cluster::{Cluster, Leaf};
 use super::leaf::Dress;
+use crate::observer::{Cancelled, Watch};
 use crate::surface::{Instance, Material, Mesh};
 use crate::{Skeleton, math, parallel};
 use glam::{Mat3, Quat, Vec2, Vec3, Vec4};
@@ -42,14 +43,21 @@ pub(super) struct Kind {
 
 impl Source<'_> {
     /// Bakes the kinds that these clusters stand for, in cells of this grid.
-    pub(super) fn kinds(&self, models: &[(u32, &Cluster)], grid: Grid) -> Vec<Kind> {
-        parallel::map(models.len(), |number| {
+    pub(super) fn kinds(
+        &self,
+        models: &[(u32, &Cluster)],
+        grid: Grid,
+        watch: &Watch<'_>,
+    ) -> Result<Vec<Kind>, Cancelled> {
+        let kinds = parallel::map(models.len(), |number| {
             let (id, cluster) = models[number];
-            self.kind(id, cluster, grid, 2 * number)
-        })
+            self.kind(id, cluster, grid, 2 * number, watch)
+        });
+        watch.pass(0)?;
+        Ok(kinds)
     }
 
-    fn kind(&self, id: u32, cluster: &Cluster, grid: Grid, first: usize) -> Kind {
+    fn kind(&self, id: u32, cluster: &Cluster, grid: Grid, first: usize, watch: &Watch<'_>) -> Kind {
         let frame = cluster.frame;
         let inverse = frame.transpose();
         let base = self.base(cluster);
@@ -100,24 +108,30 @@ impl Source<'_> {
             let side = grid.cell - 2 * super::atlas::PADDING;
             let mut raster = Raster::new(view, side, side, SAMPLES);
             for (dress, copies) in self.dresses.iter().zip(&copies) {
-                raster.draw(&Drawn {
-                    mesh: &dress.mesh,
-                    copies: copies.into(),
-                    color: dress.material.color(),
-                    double_sided: true,
-                    skin: dress.skin.as_deref(),
-                    layers: 1.0,
-                });
+                raster.draw(
+                    &Drawn {
+                        mesh: &dress.mesh,
+                        copies: copies.into(),
+                        color: dress.material.color(),
+                        double_sided: true,
+                        skin: dress.skin.as_deref(),
+                        layers: 1.0,
+                    },
+                    watch,
+                );
             }
             let ribbons = ribbons(&wood, view.toward);
-            raster.draw(&Drawn {
-                mesh: &ribbons,
-                copies: (&[Instance::IDENTITY][..]).into(),
-                color: self.bark.color(),
-                double_sided: true,
-                skin: None,
-                layers: WOOD,
-            });
+            raster.draw(
+                &Drawn {
+                    mesh: &ribbons,
+                    copies: (&[Instance::IDENTITY][..]).into(),
+                    color: self.bark.color(),
+                    double_sided: true,
+                    skin: None,
+                    layers: WOOD,
+                },
+                watch,
+            );
             pictures.push(raster.finish(|sample| sample.color));
             let vertex = mesh.positions.len() as u32;
             let ([u, v], [across, down]) = grid.inner(first + quad);

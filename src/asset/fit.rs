@@ -6,6 +6,7 @@ use super::card::{self, Kind};
 use super::cluster::Cluster;
 use super::measure::{self, Frame, Tally, draw, drawn, lit, skins};
 use super::{Asset, AssetError};
+use crate::observer::Watch;
 use crate::parallel;
 use crate::surface::Part;
 use std::f32::consts::TAU;
@@ -39,19 +40,21 @@ pub(super) struct Look {
 
 impl Look {
     /// Of a model of triangles without holes, whose cover is the same at every size.
-    pub(super) fn of(parts: &[Part<'_>]) -> Result<Self, AssetError> {
-        Ok(Self::at(parts, Frame::of(parts, MEASURED.1 as usize)?))
+    pub(super) fn of(parts: &[Part<'_>], watch: &Watch<'_>) -> Result<Self, AssetError> {
+        let look = Self::at(parts, Frame::of(parts, MEASURED.1 as usize)?, watch);
+        watch.pass(0)?;
+        Ok(look)
     }
 
     /// In pictures of this size.
-    fn at(parts: &[Part<'_>], frame: Frame) -> Self {
+    fn at(parts: &[Part<'_>], frame: Frame, watch: &Watch<'_>) -> Self {
         let skins = skins(parts);
         let drawn = drawn(parts, &skins);
         let times = frame.times();
         let each = parallel::map(VIEWS.len() * times, |i| {
             let (yaw, lift) = VIEWS[i / times];
             let view = frame.view_beside(yaw, lift, i % times);
-            Tally::of(&draw(&drawn, view, frame.width, frame.height, POINTS).finish(lit))
+            Tally::of(&draw(&drawn, view, [frame.width, frame.height], POINTS, watch).finish(lit))
         });
         let mut sum = Tally::default();
         for tally in &each {
@@ -64,20 +67,21 @@ impl Look {
 
     /// How much more of the picture the model hides in pictures in which the other is so many pixels high, and by what its
     /// colour is to be multiplied to be the other's.
-    fn beside(&self, parts: &[Part<'_>], pixels: usize) -> (f64, [f32; 3]) {
-        let now = Self::at(parts, self.frame.at(pixels));
+    fn beside(&self, parts: &[Part<'_>], pixels: usize, watch: &Watch<'_>) -> (f64, [f32; 3]) {
+        let now = Self::at(parts, self.frame.at(pixels), watch);
         let gain = [0, 1, 2].map(|i| self.color[i] / now.color[i].max(1e-6));
         (now.cover / self.cover.max(1e-12) - 1.0, gain)
     }
 }
 
 /// Cards before it is known how large they are.
-#[derive(Debug, Clone, Copy)]
+#[derive(Clone, Copy)]
 pub(super) struct Cards<'a> {
     pub(super) clusters: &'a [Cluster],
     pub(super) kind_of: &'a [u32],
     pub(super) kinds: &'a [Kind],
     pub(super) grid: Grid,
+    pub(super) watch: &'a Watch<'a>,
 }
 
 impl Cards<'_> {
@@ -94,9 +98,13 @@ impl Cards<'_> {
         let Some(look) = look()? else { return Ok(()) };
         // The size at which it is to be used: there the error of the bark is a pixel.
         let pixels = asset.pixels(height).clamp(MEASURED.0, MEASURED.1) as usize;
-        let beside = |asset: &Asset| look.beside(&asset.parts(), pixels);
+        let beside = |asset: &Asset| -> Result<(f64, [f32; 3]), AssetError> {
+            let found = look.beside(&asset.parts(), pixels, self.watch);
+            self.watch.pass(0)?;
+            Ok(found)
+        };
         let (mut larger, (mut low, mut high)) = (1.0f32, LARGER);
-        let (mut off, mut gain) = beside(asset);
+        let (mut off, mut gain) = beside(asset)?;
         let mut best = (off, gain, larger);
         for _ in 0..7 {
             if off.abs() < NEAR {
@@ -111,7 +119,7 @@ impl Cards<'_> {
             let next = larger * (1.0 - off as f32);
             larger = if next > low && next < high { next } else { 0.5 * (low + high) };
             self.place(asset, larger);
-            (off, gain) = beside(asset);
+            (off, gain) = beside(asset)?;
             if off.abs() < best.0.abs() {
                 best = (off, gain, larger);
             }
@@ -131,7 +139,7 @@ impl Cards<'_> {
             }
             thicker = (low * high).sqrt();
             self.dress(asset, thicker, [1.0; 3])?;
-            (off, gain) = beside(asset);
+            (off, gain) = beside(asset)?;
             if off.abs() < best.0.abs() {
                 best = (off, gain, thicker);
             }
@@ -143,7 +151,7 @@ impl Cards<'_> {
             all = [0, 1, 2].map(|i| (all[i] * gain[i]).clamp(GAIN.0, GAIN.1));
             self.dress(asset, thicker, all)?;
             if round == 0 {
-                (_, gain) = beside(asset);
+                (_, gain) = beside(asset)?;
             }
         }
         Ok(())
@@ -160,7 +168,8 @@ impl Cards<'_> {
     fn dress(&self, asset: &mut Asset, thicker: f32, gain: [f32; 3]) -> Result<(), AssetError> {
         let pictures = self.kinds.iter().flat_map(|kind| &kind.pictures);
         let pictures: Vec<Baked> = pictures.map(|picture| picture.thickened(thicker)).collect();
-        let textures = Arc::new(atlas::textures(self.grid, &pictures, gain, Some(atlas::CUTOFF))?);
+        let textures =
+            Arc::new(atlas::textures(self.grid, &pictures, gain, Some(atlas::CUTOFF), self.watch)?);
         asset.cards.iter_mut().for_each(|piece| piece.textures = Some(Arc::clone(&textures)));
         Ok(())
     }

@@ -6,12 +6,16 @@ use super::builder::check_side;
 use super::fit::THICKER;
 use super::measure::{Frame, Tally, bounds, draw, drawn, lit, reach, skins};
 use super::{Asset, AssetError, Piece};
+use crate::observer::{Observer, Silent, Watch, Work};
 use crate::surface::{Instance, Material, Mesh, Part};
 use crate::texture::{Image, Tones};
 use crate::{ParameterError, math, parallel};
 use glam::{Vec2, Vec3, Vec4};
 use std::f32::consts::{PI, TAU};
 use std::sync::Arc;
+
+/// Drawn steps from one report to the next.
+const DRAWN: usize = 1024;
 
 /// How much billboards' normals look up, beside their own length.
 const UPWARD: f32 = 0.6;
@@ -92,6 +96,20 @@ impl Impostor {
     /// # Errors
     /// An option out of range; parts that cannot be drawn; nothing to be seen.
     pub fn billboards(&self, parts: &[Part<'_>]) -> Result<Asset, AssetError> {
+        self.billboards_observed(parts, &Silent)
+    }
+
+    /// As [`billboards`](Self::billboards), telling `observer` how far it is and stopping when told to.
+    ///
+    /// # Errors
+    /// As [`billboards`](Self::billboards), and [`AssetError::Cancelled`].
+    pub fn billboards_observed(
+        &self,
+        parts: &[Part<'_>],
+        observer: &dyn Observer,
+    ) -> Result<Asset, AssetError> {
+        let triangles: u64 = parts.iter().map(Part::triangles).sum();
+        let watch = Watch::new(observer, Work::Asset, 60 * triangles as usize / 20, DRAWN);
         self.check()?;
         parts.iter().try_for_each(Part::check::<AssetError>)?;
         let bounds = bounds(parts).ok_or(AssetError::Nothing)?;
@@ -114,35 +132,37 @@ impl Impostor {
         let skins = skins(parts);
         let drawn = drawn(parts, &skins);
         let pictures = parallel::map(views.len(), |i| {
-            let mut baked = draw(&drawn, views[i], side, side, SAMPLES).finish(|sample| sample.color);
+            let mut baked = draw(&drawn, views[i], [side; 2], SAMPLES, &watch).finish(|sample| sample.color);
             if i < self.planes as usize {
                 baked.pixels.iter_mut().for_each(|pixel| pixel.normal = upright(pixel.normal));
             }
             baked
         });
+        watch.pass(0)?;
         let mesh = sides(&views, grid);
         let texel = 2.0 * across.max(0.5 * size.y) / side as f32;
         // It is used well below the size at which a texel is a pixel.
         let frame = Frame::of(parts, (side / 4).clamp(16, 128))?;
-        let tally = |parts: &[Part<'_>]| {
+        let tally = |parts: &[Part<'_>]| -> Result<Tally, AssetError> {
             let skins = self::skins(parts);
             let drawn = self::drawn(parts, &skins);
             let times = frame.times();
             let each = parallel::map(4 * times, |i| {
                 let yaw = 0.3 + (i / times) as f32 / 4.0 * TAU;
                 let view = frame.view_beside(yaw, 0.1, i % times);
-                Tally::of(&draw(&drawn, view, frame.width, frame.height, 2).finish(lit))
+                Tally::of(&draw(&drawn, view, [frame.width, frame.height], 2, &watch).finish(lit))
             });
             let mut sum = Tally::default();
             for tally in &each {
                 sum.add(tally);
             }
-            sum
+            watch.pass(0)?;
+            Ok(sum)
         };
-        let wanted = tally(parts);
+        let wanted = tally(parts)?;
         let with = |thicker: f32, gain: [f32; 3]| -> Result<Asset, AssetError> {
             let pictures: Vec<Baked> = pictures.iter().map(|baked| baked.thickened(thicker)).collect();
-            let textures = Arc::new(atlas::textures(grid, &pictures, gain, Some(atlas::CUTOFF))?);
+            let textures = Arc::new(atlas::textures(grid, &pictures, gain, Some(atlas::CUTOFF), &watch)?);
             let piece = Piece {
                 name: "impostor",
                 mesh: mesh.clone(),
@@ -156,7 +176,7 @@ impl Impostor {
         let (mut low, mut high) = THICKER;
         let mut thicker = 1.0;
         let mut found = with(thicker, [1.0; 3])?;
-        let mut now = tally(&found.parts());
+        let mut now = tally(&found.parts())?;
         for _ in 0..7 {
             let off = now.cover / wanted.cover.max(1e-9) - 1.0;
             if off.abs() < 0.005 {
@@ -169,7 +189,7 @@ impl Impostor {
             }
             thicker = (low * high).sqrt();
             found = with(thicker, [1.0; 3])?;
-            now = tally(&found.parts());
+            now = tally(&found.parts())?;
         }
         let (mut color, wanted) = (now.color(), wanted.color());
         let mut gain = [1.0f32; 3];
@@ -177,8 +197,9 @@ impl Impostor {
         for _ in 0..2 {
             gain = [0, 1, 2].map(|i| (gain[i] * wanted[i] / color[i].max(1e-6)).clamp(0.6, 1.6));
             found = with(thicker, gain)?;
-            color = tally(&found.parts()).color();
+            color = tally(&found.parts())?.color();
         }
+        watch.finish()?;
         Ok(found)
     }
 
@@ -188,6 +209,20 @@ impl Impostor {
     /// # Errors
     /// As [`billboards`](Self::billboards).
     pub fn octahedral(&self, parts: &[Part<'_>]) -> Result<Octahedral, AssetError> {
+        self.octahedral_observed(parts, &Silent)
+    }
+
+    /// As [`octahedral`](Self::octahedral), telling `observer` how far it is and stopping when told to.
+    ///
+    /// # Errors
+    /// As [`octahedral`](Self::octahedral), and [`AssetError::Cancelled`].
+    pub fn octahedral_observed(
+        &self,
+        parts: &[Part<'_>],
+        observer: &dyn Observer,
+    ) -> Result<Octahedral, AssetError> {
+        let triangles: u64 = parts.iter().map(Part::triangles).sum();
+        let watch = Watch::new(observer, Work::Asset, 60 * triangles as usize / 20, DRAWN);
         self.check()?;
         parts.iter().try_for_each(Part::check::<AssetError>)?;
         let bounds = bounds(parts).ok_or(AssetError::Nothing)?;
@@ -199,13 +234,14 @@ impl Impostor {
         let drawn = drawn(parts, &skins);
         let cells = parallel::map(grid * grid, |number| {
             let view = hemisphere(number % grid, number / grid, grid, center, radius);
-            let mut baked = draw(&drawn, view, side, side, 2).finish(|sample| sample.color);
+            let mut baked = draw(&drawn, view, [side; 2], 2, &watch).finish(|sample| sample.color);
             for pixel in &mut baked.pixels {
                 let normal = pixel.normal;
                 pixel.normal = view.right * normal.x + view.up * normal.y + view.toward * normal.z;
             }
             baked
         });
+        watch.finish()?;
         let (width, tones) = (grid * cell, Tones::new());
         let mut color = vec![0; width * width * 4];
         let mut normal = vec![0; width * width * 3];

@@ -6,6 +6,7 @@ use super::bake::{Baked, Pixel};
 use super::skin::Skin;
 use crate::foliage::Leaf;
 use crate::math;
+use crate::observer::Watch;
 use crate::random::{self, Purpose};
 use crate::surface::{Material, Mesh};
 use crate::texture::Textures;
@@ -44,6 +45,16 @@ impl LeafImages {
     /// # Errors
     /// Numbers out of range; a mesh without texture coordinates, or whose arrays do not fit together.
     pub fn of(leaf: &Leaf, variants: u32, side: u32, seed: u64) -> Result<Self, AssetError> {
+        Self::watched(leaf, variants, side, seed, &Watch::silent())
+    }
+
+    fn watched(
+        leaf: &Leaf,
+        variants: u32,
+        side: u32,
+        seed: u64,
+        watch: &Watch<'_>,
+    ) -> Result<Self, AssetError> {
         ParameterError::unless((1..=16).contains(&variants), "LeafImages.variants", variants, "1 to 16")?;
         let holds = side.is_power_of_two() && (32..=2048).contains(&side);
         ParameterError::unless(holds, "LeafImages.side", side, "a power of two, 32 to 2048 pixels")?;
@@ -59,9 +70,10 @@ impl LeafImages {
         let veins = Veins::of(mesh);
         let color = leaf.material().color();
         let cells = parallel::map(variants as usize, |variant| {
-            bake(mesh, &veins, color, grid.cell - 2 * PADDING, seed, variant as u64)
+            bake(mesh, &veins, color, grid.cell - 2 * PADDING, [seed, variant as u64], watch)
         });
-        let front = atlas::textures(grid, &cells, [1.0; 3], None)?;
+        watch.pass(0)?;
+        let front = atlas::textures(grid, &cells, [1.0; 3], None, watch)?;
         let meshes = (0..variants as usize).map(|variant| {
             let ([u, v], [across, down]) = grid.inner(variant);
             let mut mesh = mesh.clone();
@@ -191,7 +203,14 @@ impl Veins {
 }
 
 /// One variant, as its texture coordinates see it.
-fn bake(mesh: &Mesh, veins: &Veins, color: [f32; 3], side: usize, seed: u64, variant: u64) -> Baked {
+fn bake(
+    mesh: &Mesh,
+    veins: &Veins,
+    color: [f32; 3],
+    side: usize,
+    [seed, variant]: [u64; 2],
+    watch: &Watch<'_>,
+) -> Baked {
     let draw = |stage: u32| random::unit(seed, stage, Purpose::CARDS, variant) * 2.0 - 1.0;
     let (light, hue, spots) = (1.0 + 0.12 * draw(1), 0.10 * draw(2), draw(3));
     let mut pixels = vec![Pixel::default(); side * side];
@@ -210,6 +229,10 @@ fn bake(mesh: &Mesh, veins: &Veins, color: [f32; 3], side: usize, seed: u64, var
             (low.floor().max(0.0) as usize)..((high.ceil().max(0.0) as usize).min(points))
         };
         for row in range(low.y, high.y) {
+            // Nobody looks at it once it is cancelled.
+            if !watch.steps(1 + (high.x - low.x) as usize / 16) {
+                break;
+            }
             for column in range(low.x, high.x) {
                 let point = Vec2::new(column as f32 + 0.5, row as f32 + 0.5);
                 let u = (b - point).perp_dot(c - point) / area;
@@ -281,13 +304,18 @@ pub(super) struct Dress {
 
 impl Dress {
     /// The variants of a leaf, with images of this side each; the leaf as it is where there are to be none.
-    pub(super) fn of(leaf: &Leaf, side: Option<u32>, variants: u32) -> Result<Vec<Self>, AssetError> {
+    pub(super) fn of(
+        leaf: &Leaf,
+        side: Option<u32>,
+        variants: u32,
+        watch: &Watch<'_>,
+    ) -> Result<Vec<Self>, AssetError> {
         let mesh = leaf.mesh();
         let Some(side) = side.filter(|_| !mesh.uvs.is_empty() && !mesh.is_empty()) else {
             let (mesh, material) = (mesh.clone(), leaf.material());
             return Ok(vec![Self { mesh, material, textures: None, skin: None }]);
         };
-        let images = LeafImages::of(leaf, variants, side, 0)?;
+        let images = LeafImages::watched(leaf, variants, side, 0, watch)?;
         let textures = Arc::new(images.front);
         let skin = Arc::new(Skin::new(&textures));
         let material = leaf.material().with_color([1.0; 3]);

@@ -1,9 +1,10 @@
 //! Bark and leaves together in ever fewer triangles.
 
-use super::builder::check_side;
+use super::builder::{check_side, watch};
 use super::tree::Tree;
 use super::{Asset, AssetBuilder, AssetError};
 use crate::foliage::Leaves;
+use crate::observer::{Observer, Silent};
 use crate::{ParameterError, Skeleton};
 
 impl AssetBuilder {
@@ -19,11 +20,21 @@ impl AssetBuilder {
     /// Shares that are not 1 to 8 numbers in (0, 1], each less than the one before; otherwise as [`build`](Self::build). A
     /// last level that would be too small for the trunk is an error too.
     pub fn levels(&self, skeleton: &Skeleton, seed: u64, shares: &[f32]) -> Result<Vec<Asset>, AssetError> {
-        let leaves = match &self.foliage {
-            Some(foliage) => vec![foliage.place(skeleton, seed)?],
-            None => Vec::new(),
-        };
-        self.levels_with(skeleton, &leaves, shares)
+        self.levels_observed(skeleton, seed, shares, &Silent)
+    }
+
+    /// As [`levels`](Self::levels), telling `observer` how far it is and stopping when told to.
+    ///
+    /// # Errors
+    /// As [`levels`](Self::levels), and [`AssetError::Cancelled`].
+    pub fn levels_observed(
+        &self,
+        skeleton: &Skeleton,
+        seed: u64,
+        shares: &[f32],
+        observer: &dyn Observer,
+    ) -> Result<Vec<Asset>, AssetError> {
+        self.levels_with_observed(skeleton, &self.placed(skeleton, seed, observer)?, shares, observer)
     }
 
     /// As [`levels`](Self::levels), of a tree with these leaves.
@@ -36,12 +47,27 @@ impl AssetBuilder {
         leaves: &[Leaves],
         shares: &[f32],
     ) -> Result<Vec<Asset>, AssetError> {
+        self.levels_with_observed(skeleton, leaves, shares, &Silent)
+    }
+
+    /// As [`levels_with`](Self::levels_with), telling `observer` how far it is and stopping when told to.
+    ///
+    /// # Errors
+    /// As [`levels_with`](Self::levels_with), and [`AssetError::Cancelled`].
+    pub fn levels_with_observed(
+        &self,
+        skeleton: &Skeleton,
+        leaves: &[Leaves],
+        shares: &[f32],
+        observer: &dyn Observer,
+    ) -> Result<Vec<Asset>, AssetError> {
         let falling = shares.windows(2).all(|pair| pair[1] < pair[0]);
         let within = shares.iter().all(|share| *share > 0.0 && *share <= 1.0);
         let holds = falling && within && (1..=8).contains(&shares.len());
         let range = "1 to 8 numbers in (0, 1], each less than the one before";
         ParameterError::unless(holds, "AssetBuilder.levels.shares", shares, range)?;
-        let tree = Tree::new(self, skeleton, leaves)?;
+        let watch = watch(skeleton, leaves, observer);
+        let tree = Tree::new(self, skeleton, leaves, &watch)?;
         let dense = tree.dense_triangles();
         let whole = self.triangles.unwrap_or(dense).min(dense);
         let (mut levels, mut grouping) = (Vec::<Asset>::new(), None);
@@ -61,6 +87,7 @@ impl AssetBuilder {
             grouping = Some(groups);
             side = (side / 4).max(128);
         }
+        watch.finish()?;
         Ok(levels)
     }
 }

@@ -4,6 +4,7 @@ use super::AssetError;
 use super::bake::{Baked, Drawn, Raster, Sample, View};
 use super::skin::Skin;
 use crate::math;
+use crate::observer::Watch;
 use crate::shape::Bounds;
 use crate::surface::Part;
 use crate::texture::{Image, Textures, Tones};
@@ -53,7 +54,8 @@ impl Likeness {
             let yaw = (i / times) as f32 / 4.0 * TAU + 0.3;
             let view = frame.view_beside(yaw, 0.12, i % times);
             let [ours, theirs] = [(model, &ours), (full, &theirs)].map(|(parts, skins)| {
-                draw(&drawn(parts, skins), view, frame.width, frame.height, SAMPLES).finish(lit)
+                draw(&drawn(parts, skins), view, [frame.width, frame.height], SAMPLES, &Watch::silent())
+                    .finish(lit)
             });
             (Tally::of(&ours), Tally::of(&theirs), ssim(&ours, &theirs))
         });
@@ -86,7 +88,9 @@ pub fn portrait(parts: &[Part<'_>], yaw: f32, lift: f32, pixels: u32) -> Result<
     ParameterError::unless(yaw.is_finite() && lift.is_finite(), "portrait.yaw, lift", (yaw, lift), "finite")?;
     let frame = Frame::of(parts, pixels as usize)?;
     let skins = skins(parts);
-    let baked = draw(&drawn(parts, &skins), frame.view(yaw, lift), frame.width, frame.height, 3).finish(lit);
+    let view = frame.view(yaw, lift);
+    let baked =
+        draw(&drawn(parts, &skins), view, [frame.width, frame.height], 3, &Watch::silent()).finish(lit);
     let tones = Tones::new();
     let bytes = baked
         .pixels
@@ -148,10 +152,16 @@ pub(super) fn drawn<'a>(parts: &[Part<'a>], skins: &'a [Option<Skin>]) -> Vec<Dr
         .collect()
 }
 
-pub(super) fn draw(drawn: &[Drawn<'_>], view: View, width: usize, height: usize, samples: usize) -> Raster {
+pub(super) fn draw(
+    drawn: &[Drawn<'_>],
+    view: View,
+    [width, height]: [usize; 2],
+    samples: usize,
+    watch: &Watch<'_>,
+) -> Raster {
     let mut raster = Raster::new(view, width, height, samples);
     for drawn in drawn {
-        raster.draw(drawn);
+        raster.draw(drawn, watch);
     }
     raster
 }

@@ -25,23 +25,45 @@ pub use measure::{Likeness, portrait};
 
 use crate::ParameterError;
 use crate::foliage::FoliageError;
+use crate::observer::Cancelled;
 use crate::surface::{Instance, Material, Mesh, MeshError, Part, SurfaceError};
 use crate::texture::{TextureError, Textures};
 use std::sync::Arc;
+
+impl From<Cancelled> for AssetError {
+    fn from(_: Cancelled) -> Self {
+        Self::Cancelled
+    }
+}
+
+impl From<SurfaceError> for AssetError {
+    fn from(error: SurfaceError) -> Self {
+        if error == SurfaceError::Cancelled { Self::Cancelled } else { Self::Surface(error) }
+    }
+}
+
+impl From<FoliageError> for AssetError {
+    fn from(error: FoliageError) -> Self {
+        if error == FoliageError::Cancelled { Self::Cancelled } else { Self::Foliage(error) }
+    }
+}
 
 /// Why there is no asset.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum AssetError {
+    /// The observer cancelled the work.
+    #[error("cancelled by the observer")]
+    Cancelled,
     /// An option out of its range.
     #[error(transparent)]
     Parameter(#[from] ParameterError),
     /// The bark cannot be made.
     #[error(transparent)]
-    Surface(#[from] SurfaceError),
+    Surface(SurfaceError),
     /// The leaves cannot be placed.
     #[error(transparent)]
-    Foliage(#[from] FoliageError),
+    Foliage(FoliageError),
     /// A mesh or an instance cannot be drawn.
     #[error(transparent)]
     Mesh(#[from] MeshError),

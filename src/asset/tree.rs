@@ -9,6 +9,7 @@ use super::light::{Crown, in_bytes};
 use super::tangents::with_tangents;
 use super::{Asset, AssetBuilder, AssetError, Piece};
 use crate::foliage::{Canopy, Leaves};
+use crate::observer::Watch;
 use crate::random::{self, Purpose};
 use crate::surface::{Instance, Material, Mesh, SurfaceError};
 use crate::texture::Textures;
@@ -19,6 +20,8 @@ use std::sync::Arc;
 
 /// Leaves that one card stands for at the least, at their mean size.
 const FEWEST: f32 = 6.0;
+/// Steps from one report to the next.
+pub(super) const DRAWN: usize = 2048;
 /// Images of one leaf.
 const VARIANTS: u32 = 4;
 
@@ -34,6 +37,7 @@ pub(super) struct Tree<'a> {
     /// Triangles of all leaves.
     leaf_triangles: usize,
     look: OnceCell<Option<Look>>,
+    watch: &'a Watch<'a>,
 }
 
 /// Leaves in groups: the lowest node of each, and each leaf's group.
@@ -47,6 +51,7 @@ impl<'a> Tree<'a> {
         builder: &'a AssetBuilder,
         skeleton: &'a Skeleton,
         leaves: &'a [Leaves],
+        watch: &'a Watch<'a>,
     ) -> Result<Self, AssetError> {
         builder.check()?;
         let copies = || leaves.iter().flat_map(|leaves| &leaves.instances);
@@ -57,7 +62,7 @@ impl<'a> Tree<'a> {
         for leaves in leaves {
             leaves.part().check::<AssetError>()?;
         }
-        let bark = match builder.own_tubes().mesh(skeleton) {
+        let bark = match builder.own_tubes().mesh_watched(skeleton, watch) {
             Ok(mesh) => mesh,
             // A tree whose wood is not thick at all still has leaves.
             Err(SurfaceError::NoRadii { .. }) if copies().next().is_some() => Mesh::default(),
@@ -66,7 +71,8 @@ impl<'a> Tree<'a> {
         let mut dresses = Vec::new();
         let mut firsts = Vec::new();
         for leaves in leaves {
-            let of_leaf = Dress::of(&leaves.leaf, builder.leaf_size, VARIANTS)?;
+            watch.pass(DRAWN)?;
+            let of_leaf = Dress::of(&leaves.leaf, builder.leaf_size, VARIANTS, watch)?;
             firsts.push((dresses.len(), of_leaf.len()));
             dresses.extend(of_leaf);
         }
@@ -85,7 +91,17 @@ impl<'a> Tree<'a> {
             }
         }
         let leaf_triangles = leaves.iter().map(|leaves| leaves.part().triangles() as usize).sum();
-        Ok(Self { builder, skeleton, canopy, dresses, all, bark, leaf_triangles, look: OnceCell::new() })
+        Ok(Self {
+            builder,
+            skeleton,
+            canopy,
+            dresses,
+            all,
+            bark,
+            leaf_triangles,
+            look: OnceCell::new(),
+            watch,
+        })
     }
 
     pub(super) fn dense_triangles(&self) -> usize {
@@ -101,7 +117,7 @@ impl<'a> Tree<'a> {
     /// What the dense model looks like; nothing if there is nothing to be seen. It is drawn once for all levels.
     pub(super) fn look(&self) -> Result<Option<&Look>, AssetError> {
         if self.look.get().is_none() {
-            let look = match Look::of(&self.dense().parts()) {
+            let look = match Look::of(&self.dense().parts(), self.watch) {
                 Ok(look) => Some(look),
                 Err(AssetError::Nothing) => None,
                 Err(error) => return Err(error),
@@ -153,12 +169,13 @@ impl<'a> Tree<'a> {
         grid.cell = (side as usize / grid.columns.max(grid.rows)).max(4 * atlas::PADDING);
         let models: Vec<(u32, &Cluster)> =
             models.iter().map(|&i| (carded[i as usize] as u32, &chosen[i as usize])).collect();
-        let kinds = source.kinds(&models, grid);
+        let kinds = source.kinds(&models, grid, self.watch)?;
         let whole: Vec<usize> =
             whole.iter().flat_map(|&i| clusters[i].leaves.iter().map(|&leaf| leaf as usize)).collect();
         let meshes: Vec<Mesh> = kinds.iter().map(|kind| kind.mesh.clone()).collect();
         let mut asset = self.assemble(bark, error, &whole, meshes, None);
-        Cards { clusters: &chosen, kind_of: &kind_of, kinds: &kinds, grid }.fit(
+        let watch = self.watch;
+        Cards { clusters: &chosen, kind_of: &kind_of, kinds: &kinds, grid, watch }.fit(
             &mut asset,
             self.bark.bounds().map_or(0.0, |bounds| bounds.size().y),
             || self.look(),
@@ -182,9 +199,9 @@ impl<'a> Tree<'a> {
             return Ok((self.bark.clone(), 0.0, vec![true; branches]));
         }
         let tubes = &self.builder.own_tubes();
-        let within = match tubes.within_keeping(self.skeleton, share) {
+        let within = match tubes.within_keeping(self.skeleton, share, self.watch) {
             Err(SurfaceError::TooFewTriangles { least, .. }) if least + card <= most => {
-                tubes.within_keeping(self.skeleton, least)
+                tubes.within_keeping(self.skeleton, least, self.watch)
             }
             Err(SurfaceError::TooFewTriangles { least, .. }) => {
                 return Err(AssetError::TooFewTriangles { triangles: most, least: least + card });

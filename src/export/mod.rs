@@ -25,6 +25,7 @@ mod pool;
 pub mod stl;
 pub mod svg;
 pub mod usd;
+mod watched;
 mod worn;
 
 pub use axes::Axes;
@@ -45,8 +46,10 @@ pub use svg::{SvgOptions, write_svg};
 #[cfg(feature = "texture")]
 pub use usd::usd_images;
 pub use usd::{UsdStage, write_usda, write_usdz};
+pub use watched::Watched;
 
 use crate::ParameterError;
+use crate::observer::Cancelled;
 use crate::surface::{MeshError, Part, Scene};
 use std::collections::BTreeMap;
 use std::collections::btree_map::Entry;
@@ -57,7 +60,10 @@ use std::collections::btree_map::Entry;
 pub enum ExportError {
     /// The writer refused.
     #[error("writing failed: {0}")]
-    Io(#[from] std::io::Error),
+    Io(#[source] std::io::Error),
+    /// The observer of a [`Watched`] writer cancelled the work.
+    #[error("cancelled by the observer")]
+    Cancelled,
     /// An option out of its range.
     #[error(transparent)]
     Parameter(#[from] ParameterError),
@@ -83,6 +89,16 @@ pub enum ExportError {
         /// Amount.
         count: u64,
     },
+}
+
+impl From<std::io::Error> for ExportError {
+    fn from(error: std::io::Error) -> Self {
+        if error.get_ref().is_some_and(|inner| inner.is::<Cancelled>()) {
+            Self::Cancelled
+        } else {
+            Self::Io(error)
+        }
+    }
 }
 
 impl ExportError {

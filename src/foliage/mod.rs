@@ -37,6 +37,7 @@ pub(crate) use shade::Canopy;
 pub use wind::LeafWind;
 
 use crate::math::UP;
+use crate::observer::{Cancelled, Observer, Silent, Watch, Work};
 use crate::surface::{Instance, Material, Part};
 use crate::{ParameterError, Skeleton};
 use glam::Vec3;
@@ -52,6 +53,9 @@ pub enum FoliageError {
     /// An option out of its range.
     #[error(transparent)]
     Parameter(#[from] ParameterError),
+    /// The observer cancelled the work.
+    #[error("cancelled by the observer")]
+    Cancelled,
     /// Every radius is zero: no radius model has been applied yet.
     #[error("all {nodes} nodes have the radius zero; give them some, e.g. by radius::PipeModel")]
     NoRadii {
@@ -64,6 +68,25 @@ pub enum FoliageError {
         /// An upper bound of the leaves before thinning.
         leaves: f64,
     },
+    /// So far from the origin that 32-bit floats cannot tell the corners of a leaf apart.
+    #[error(
+        "at {position} m 32-bit floats have steps of {step} m, which no leaf of {length} m keeps its shape on; take an offset off \
+         the positions, such as the trunk base, place leaves there, and move them where numbers have more digits"
+    )]
+    Shapeless {
+        /// Where a leaf is, metres.
+        position: Vec3,
+        /// What is between one number and the next there, metres.
+        step: f32,
+        /// The size of the leaf, metres.
+        length: f32,
+    },
+}
+
+impl From<Cancelled> for FoliageError {
+    fn from(_: Cancelled) -> Self {
+        Self::Cancelled
+    }
 }
 
 /// The leaves of a tree.
@@ -280,10 +303,37 @@ impl Foliage {
     /// The leaves of a tree. One that is only a root has none.
     ///
     /// # Errors
-    /// An option out of range; radii that are all zero though there are internodes; more than 16.8 million leaves.
+    /// An option out of range; radii that are all zero though there are internodes; more than 16.8 million leaves; a leaf so far
+    /// out that it is not eight steps of 32-bit floats long, [`FoliageError::Shapeless`].
     pub fn place(&self, skeleton: &Skeleton, seed: u64) -> Result<Leaves, FoliageError> {
+        self.place_observed(skeleton, seed, &Silent)
+    }
+
+    /// As [`place`](Self::place), telling `observer` how far it is and stopping when told to.
+    ///
+    /// # Errors
+    /// As [`place`](Self::place), and [`FoliageError::Cancelled`].
+    pub fn place_observed(
+        &self,
+        skeleton: &Skeleton,
+        seed: u64,
+        observer: &dyn Observer,
+    ) -> Result<Leaves, FoliageError> {
+        let watch = Watch::new(observer, Work::Leaves, 4 * skeleton.len(), place::STEPS);
+        let leaves = self.place_watched(skeleton, seed, &watch)?;
+        watch.finish()?;
+        Ok(leaves)
+    }
+
+    /// The same, a step a leaf and one for four nodes.
+    pub(crate) fn place_watched(
+        &self,
+        skeleton: &Skeleton,
+        seed: u64,
+        watch: &Watch<'_>,
+    ) -> Result<Leaves, FoliageError> {
         self.check()?;
-        Ok(Leaves { leaf: self.leaf.clone(), instances: place::place(self, skeleton, seed)? })
+        Ok(Leaves { leaf: self.leaf.clone(), instances: place::place(self, skeleton, seed, watch)? })
     }
 
     fn check(&self) -> Result<(), ParameterError> {

@@ -3,10 +3,17 @@
 use super::{Foliage, FoliageError, MOST_LEAVES};
 use crate::Skeleton;
 use crate::math::{self, UP, parallel_transport, perpendicular};
+use crate::observer::Watch;
 use crate::random::{self, Purpose};
-use crate::surface::Instance;
+use crate::surface::{Instance, is_far, step};
 use glam::{Mat3, Quat, Vec3};
 use std::f32::consts::TAU;
+
+/// A leaf is at least so many steps of 32-bit floats long, so that it keeps its shape where it is copied to its place.
+const LEAST: f32 = 8.0;
+
+/// Leaves placed from one report to the next.
+pub(super) const STEPS: usize = 1 << 12;
 
 /// Uses of a leaf's random numbers; the stages of its streams.
 #[derive(Debug, Clone, Copy)]
@@ -25,6 +32,7 @@ pub(super) fn place(
     foliage: &Foliage,
     skeleton: &Skeleton,
     seed: u64,
+    watch: &Watch<'_>,
 ) -> Result<Vec<Instance>, FoliageError> {
     if skeleton.segments() > 0 && skeleton.radii().iter().all(|&radius| radius == 0.0) {
         return Err(FoliageError::NoRadii { nodes: skeleton.len() });
@@ -34,6 +42,7 @@ pub(super) fn place(
     let mut twigs = Vec::with_capacity(branches.len());
     let mut expected = 0.0;
     for (number, branch) in branches.iter().enumerate() {
+        watch.pass(branch.nodes().len() / 4)?;
         if let Some(twig) = Twig::new(foliage, skeleton, &farthest, branch.nodes(), number as u32) {
             expected += twig.most_leaves();
             twigs.push(twig);
@@ -44,7 +53,15 @@ pub(super) fn place(
     }
     let mut leaves = Vec::with_capacity((expected * f64::from(foliage.kept)) as usize);
     for twig in &twigs {
-        twig.place(seed, &mut leaves);
+        twig.place(seed, &mut leaves, watch);
+    }
+    watch.pass(0)?;
+    if is_far(skeleton) {
+        let size = foliage.leaf.mesh().bounds().map_or(0.0, |bounds| bounds.size().max_element());
+        let shapeless = |leaf: &&Instance| leaf.scale * size < LEAST * step(leaf.position);
+        if let Some(&Instance { position, scale, .. }) = leaves.iter().find(shapeless) {
+            return Err(FoliageError::Shapeless { position, step: step(position), length: scale * size });
+        }
     }
     Ok(leaves)
 }
@@ -138,7 +155,7 @@ impl<'a> Twig<'a> {
         whorls * f64::from(self.foliage.arrangement.per_whorl())
     }
 
-    fn place(&self, seed: u64, leaves: &mut Vec<Instance>) {
+    fn place(&self, seed: u64, leaves: &mut Vec<Instance>, watch: &Watch<'_>) {
         let Foliage { arrangement, spacing, .. } = *self.foliage;
         let first = self.unit(seed, Draw::Azimuth, u32::MAX) * TAU;
         // The normal that azimuths count from is carried along, so that leaves do not wind about the twig with its
@@ -160,7 +177,7 @@ impl<'a> Twig<'a> {
             let side = along.cross(normal);
             loop {
                 let distance = whorl as f32 * spacing;
-                if distance > self.leafy {
+                if distance > self.leafy || !watch.steps(arrangement.per_whorl() as usize) {
                     return;
                 }
                 if distance > from_tip + internode.length {

@@ -2,11 +2,15 @@
 
 use super::equation as eq;
 use super::structure::{Axis, Draw, FORK_ANGLE, Shoot};
-use super::{Architecture, Growth, Phenology};
+use super::{Architecture, Growth, GrowthError, Phenology};
 use crate::math::{self, UP, parallel_transport};
+use crate::observer::{Cancelled, Observer, Watch, Work, report};
 use crate::random::{Purpose, unit};
 use crate::skeleton::{Skeleton, SkeletonError};
 use glam::Vec3;
+
+/// Metamers laid out from one report to the next.
+const METAMERS: usize = 4096;
 
 /// How much of its straying a branch keeps from one shoot to the next.
 const KEPT: f32 = 0.7;
@@ -102,12 +106,14 @@ impl Unfolded {
     }
 }
 
-pub(super) fn at(growth: &Growth, age: f32) -> Result<TreeAtAge, SkeletonError> {
+pub(super) fn at(growth: &Growth, age: f32, observer: &dyn Observer) -> Result<TreeAtAge, GrowthError> {
     let mut layout = Layout::new(growth, age);
     if layout.year > 0 {
-        layout.run();
+        layout.run(&Watch::new(observer, Work::Age, growth.structure.nodes as usize, METAMERS))?;
     }
-    layout.finish()
+    let tree = layout.finish()?;
+    report(observer, Work::Age, 1.0)?;
+    Ok(tree)
 }
 
 struct Layout<'a> {
@@ -175,7 +181,7 @@ impl<'a> Layout<'a> {
         }
     }
 
-    fn run(&mut self) {
+    fn run(&mut self, watch: &Watch<'_>) -> Result<(), Cancelled> {
         let structure = &self.growth.structure;
         self.pipes = structure.pipes(self.year, self.progress);
         self.bases = vec![None; structure.axes.len()];
@@ -186,9 +192,12 @@ impl<'a> Layout<'a> {
                 break;
             }
             if let Some(base) = self.bases[number].filter(|_| axis.lost > self.age) {
+                let before = self.positions.len();
                 self.lay_out(number, axis, base);
+                watch.pass(1 + self.positions.len() - before)?;
             }
         }
+        Ok(())
     }
 
     /// One branch from its base to its tip.

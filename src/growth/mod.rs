@@ -28,6 +28,7 @@ pub use phenology::Phenology;
 pub use timeline::Timeline;
 
 use crate::ParameterError;
+use crate::observer::{Cancelled, Observer, Silent};
 use crate::skeleton::SkeletonError;
 use structure::Structure;
 use thickness::Thickness;
@@ -57,9 +58,18 @@ pub enum GrowthError {
         /// The most there may be.
         limit: u32,
     },
+    /// The observer cancelled the work.
+    #[error("cancelled by the observer")]
+    Cancelled,
     /// The grown nodes make no skeleton.
     #[error("the tree: {0}")]
     Skeleton(#[from] SkeletonError),
+}
+
+impl From<Cancelled> for GrowthError {
+    fn from(_: Cancelled) -> Self {
+        Self::Cancelled
+    }
 }
 
 /// A tree of a species, to be had at any age.
@@ -108,10 +118,36 @@ impl Growth {
         seed: u64,
         most_nodes: u32,
     ) -> Result<Self, ParameterError> {
+        Self::grown(architecture, seed, most_nodes, &Silent).map_err(|error| match error {
+            GrowthError::Parameter(error) => error,
+            // Nobody cancels it, and nothing else is refused.
+            other => ParameterError::new("Growth", other, "grown"),
+        })
+    }
+
+    /// As [`with_most_nodes`](Self::with_most_nodes), telling `observer` how far it is and stopping when told to.
+    ///
+    /// # Errors
+    /// As `with_most_nodes`, and [`GrowthError::Cancelled`].
+    pub fn with_most_nodes_observed(
+        architecture: Architecture,
+        seed: u64,
+        most_nodes: u32,
+        observer: &dyn Observer,
+    ) -> Result<Self, GrowthError> {
+        Self::grown(architecture, seed, most_nodes, observer)
+    }
+
+    fn grown(
+        architecture: Architecture,
+        seed: u64,
+        most_nodes: u32,
+        observer: &dyn Observer,
+    ) -> Result<Self, GrowthError> {
         architecture.check()?;
         let holds = (1..=1 << 31).contains(&most_nodes);
         ParameterError::unless(holds, "Growth.most_nodes", most_nodes, "1 to 2^31")?;
-        let structure = Structure::new(&architecture, seed, most_nodes);
+        let structure = Structure::observed(&architecture, seed, most_nodes, observer)?;
         let thickness = Thickness::new(&architecture, structure.trunk_length(), structure.all_pipes());
         Ok(Self { architecture, seed, most_nodes, structure, thickness })
     }
@@ -127,6 +163,14 @@ impl Growth {
     /// # Errors
     /// An age that is negative, not finite or greater than the greatest; [`GrowthError::Limit`] where years are missing.
     pub fn at(&self, age: f32) -> Result<TreeAtAge, GrowthError> {
+        self.at_observed(age, &Silent)
+    }
+
+    /// As [`at`](Self::at), telling `observer` how far it is and stopping when told to.
+    ///
+    /// # Errors
+    /// As [`at`](Self::at), and [`GrowthError::Cancelled`].
+    pub fn at_observed(&self, age: f32, observer: &dyn Observer) -> Result<TreeAtAge, GrowthError> {
         let most = self.architecture.years;
         let holds = age >= 0.0 && age <= f32::from(most);
         let range = format!("0 to {most} years, the greatest age of the species");
@@ -135,7 +179,7 @@ impl Growth {
             let year = self.structure.years + 1;
             return Err(GrowthError::Limit { year, nodes, limit: self.most_nodes });
         }
-        Ok(form::at(self, age)?)
+        form::at(self, age, observer)
     }
 
     /// The years that are to be had: all, unless the limit of nodes came first.

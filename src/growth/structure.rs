@@ -6,10 +6,14 @@
 
 use super::architecture::Architecture;
 use super::equation as eq;
+use crate::observer::{Cancelled, Observer, Watch, Work};
 use crate::random::{Purpose, unit};
 
 /// The least angle between the longest laterals of successive shoots, radians: the paper's 40°.
 pub(super) const LEAST_ANGLE: f32 = 0.698_131_7;
+
+/// Shoots worked out from one report to the next.
+const SHOOTS: usize = 4096;
 
 /// Uses of a branch's random numbers; the stages of its streams.
 #[derive(Debug, Clone, Copy)]
@@ -99,20 +103,34 @@ impl Axis {
 }
 
 impl Structure {
+    #[cfg(test)]
     pub(super) fn new(architecture: &Architecture, seed: u64, most_nodes: u32) -> Self {
-        let mut builder = Builder::new(architecture, seed, most_nodes);
+        Self::observed(architecture, seed, most_nodes, &crate::Silent).expect("nobody cancels it")
+    }
+
+    pub(super) fn observed(
+        architecture: &Architecture,
+        seed: u64,
+        most_nodes: u32,
+        observer: &dyn Observer,
+    ) -> Result<Self, Cancelled> {
+        let watch = Watch::new(observer, Work::Years, 1 << 20, SHOOTS);
+        let mut builder = Builder::new(architecture, seed, most_nodes, &watch);
         let mut refused = None;
         let mut years = 0;
         for year in 1..=architecture.years {
             match builder.year(year) {
                 Ok(()) => years = year,
-                Err(nodes) => {
+                Err(Stop::Cancelled) => return Err(Cancelled),
+                Err(Stop::Limit(nodes)) => {
                     refused = Some(nodes);
                     break;
                 }
             }
         }
-        builder.finish(years, refused)
+        let structure = builder.finish(years, refused);
+        watch.finish()?;
+        Ok(structure)
     }
 
     /// For each branch the pipes that run through its base when `progress` of the season of `year` is over: one for each
@@ -171,10 +189,18 @@ struct Builder<'a> {
     longest: Vec<Option<[u32; 2]>>,
     /// Length that the silhouette asks of a branch in each year from the one at hand on.
     wanted: Vec<f32>,
+    watch: &'a Watch<'a>,
+}
+
+/// Why a year does not come.
+enum Stop {
+    Cancelled,
+    /// More nodes than are allowed.
+    Limit(u64),
 }
 
 impl<'a> Builder<'a> {
-    fn new(architecture: &'a Architecture, seed: u64, most_nodes: u32) -> Self {
+    fn new(architecture: &'a Architecture, seed: u64, most_nodes: u32, watch: &'a Watch<'a>) -> Self {
         let mut builder = Self {
             architecture,
             seed,
@@ -185,6 +211,7 @@ impl<'a> Builder<'a> {
             nodes: 1,
             longest: Vec::new(),
             wanted: Vec::new(),
+            watch,
         };
         let height = |year: u16| architecture.height.at(builder.time(year));
         builder.wanted = (1..=architecture.years).map(height).collect();
@@ -219,16 +246,19 @@ impl<'a> Builder<'a> {
 
     /// One more year: laterals of the shoots of the year before, then a shoot of every living branch.
     ///
-    /// Fails with the number of nodes there would be beyond the limit.
-    fn year(&mut self, year: u16) -> Result<(), u64> {
+    fn year(&mut self, year: u16) -> Result<(), Stop> {
         // A branch takes three times the memory of a node, and each of its years up to the greatest age half of it.
         let most = self.most_nodes as usize;
         for axis in 0..self.axes.len() {
             if year > 1 && self.is_living(axis, year) && self.axes[axis].rank < self.architecture.most_order {
+                let before = self.shoots.len();
                 self.branch(axis, year);
+                if !self.watch.steps(1 + self.shoots.len() - before) {
+                    return Err(Stop::Cancelled);
+                }
             }
             if self.axes.len() > most || self.shoots.len() / 8 > most {
-                return Err(self.axes.len().max(self.shoots.len() / 8) as u64);
+                return Err(Stop::Limit(self.axes.len().max(self.shoots.len() / 8) as u64));
             }
         }
         let mut nodes = u64::from(self.nodes);
@@ -243,7 +273,7 @@ impl<'a> Builder<'a> {
             nodes += u64::from(self.shoots[at].metamers - before);
         }
         if nodes > u64::from(self.most_nodes) {
-            return Err(nodes);
+            return Err(Stop::Limit(nodes));
         }
         self.nodes = nodes as u32;
         Ok(())

@@ -63,6 +63,9 @@ crate::recipe::mapped!(Refinement { region; spacing, reach, relaxation });
 const HOP: f32 = 1.3;
 /// The longest edge of the finer graph, in spacings: no edge leaps from one limb's surroundings to another's.
 const LONGEST: f32 = 3.0;
+/// So many nodes of the tree in a cube as wide as the spacing are usual; and so many pairs beyond them take half a minute.
+const CROWD: u64 = 64;
+const MAX_PAIRS: u64 = 200_000_000;
 /// Voxels of the reach, in spacings, and the most of them.
 const VOXEL: f32 = 2.0;
 const MAX_VOXELS: f32 = 2e9;
@@ -166,6 +169,25 @@ impl<S: Shape> Refinement<S> {
         )
     }
 
+    /// Where thousands of branches meet, each node has thousands of neighbours, and edges would take minutes. O(n log n).
+    fn check_crowds(&self, nodes: &[Vec3]) -> Result<(), ParameterError> {
+        let low = Bounds::of(nodes.iter().copied()).min;
+        let key = |node: &Vec3| {
+            let [x, y, z] = ((node - low) / self.spacing).to_array().map(|cell| cell as u64 & 0x1f_ffff);
+            x | y << 21 | z << 42
+        };
+        let mut cells: Vec<u64> = nodes.iter().map(key).collect();
+        cells.sort_unstable();
+        let pairs = |cell: &[u64]| cell.len() as u64 * (cell.len() as u64).saturating_sub(CROWD);
+        let pairs: u64 = cells.chunk_by(|a, b| a == b).map(pairs).sum();
+        ParameterError::unless(
+            pairs <= MAX_PAIRS,
+            "Refinement.spacing",
+            self.spacing,
+            "so fine that no cube of that side holds thousands of the tree's nodes, as where ten thousands of branches meet",
+        )
+    }
+
     /// The finer graph around trees that have been divided.
     pub(super) fn surround(
         &self,
@@ -194,6 +216,7 @@ impl<S: Shape> Refinement<S> {
             self.spacing,
             "coarse enough for at most 200000000 nodes within reach of the tree",
         )?;
+        self.check_crowds(&carried.positions)?;
         let (sectors, longest) = (Sectors::new(8, planar), LONGEST * self.spacing);
         around_tree(&reach, carried, self.spacing, longest, &sectors, seed, observer)
     }

@@ -78,6 +78,12 @@ pub enum PreviewError {
         /// The number of cubes allowed.
         most: usize,
     },
+    /// So many primitives are felt at one place that the picture would take a hundred times as long as others.
+    #[error(
+        "thousands of primitives are felt at one place, so that rays there would take minutes; draw a mesh of the surface, or a \
+         skeleton of fewer branches at one node"
+    )]
+    Crowded,
     /// The writer refused.
     #[error("writing failed: {0}")]
     Io(#[from] std::io::Error),

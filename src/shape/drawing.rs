@@ -219,7 +219,9 @@ pub(crate) fn path_lines(data: &str) -> Result<Vec<Vec<DVec2>>, String> {
     let mut pen = Pen::default();
     // The latest control point, of a cubic and of a quadratic curve.
     let (mut cubic, mut quadratic) = (None, None);
-    for segment in PathParser::from(data) {
+    // SVG 2 counts a form feed as white space, as HTML does; the parser keeps to SVG 1.1. Places stay what they are.
+    let data = data.replace('\u{c}', " ");
+    for segment in PathParser::from(data.as_str()) {
         let segment = segment.map_err(|error| error.to_string())?;
         let at = |x: f64, y: f64| if segment.is_abs() { DVec2::new(x, y) } else { pen.at + DVec2::new(x, y) };
         let (last_cubic, last_quadratic) = (cubic.take(), quadratic.take());

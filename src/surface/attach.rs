@@ -5,6 +5,7 @@ use super::axis::{Axes, Axis, Station};
 use super::collar::{Collar, LONGEST};
 use super::wood::Near;
 use crate::math;
+use crate::observer::{Cancelled, Watch};
 use std::f32::consts::PI;
 
 /// The part of its radius with which a branch without a collar begins, so that its rim stays within its bearer.
@@ -17,12 +18,14 @@ pub(super) const DOME_SIDES: u32 = 7;
 impl Axes {
     /// Has each axis begin where it comes out of what bears it, or hidden in there. To be called once, for bearers come
     /// before what they bear.
-    pub(super) fn attach(&mut self, options: &Tubes) {
+    pub(super) fn attach(&mut self, options: &Tubes, watch: &Watch<'_>) -> Result<(), Cancelled> {
         for number in 0..self.all.len() {
             self.begin(number, options);
             let stations = self.all[number].stations.clone();
+            watch.pass(stations.len())?;
             taper(&mut self.stations[stations]);
         }
+        Ok(())
     }
 
     /// Has one axis begin so.

@@ -6,6 +6,7 @@ use super::wood::Wood;
 use super::{SurfaceError, Tubes};
 use crate::Skeleton;
 use crate::math::{UP, parallel_transport, perpendicular};
+use crate::observer::Watch;
 use glam::Vec3;
 use std::ops::Range;
 
@@ -99,7 +100,7 @@ pub(super) struct Axes {
 
 impl Axes {
     /// The axes of the branches that `options` keep. O(nodes).
-    pub(super) fn of(skeleton: &Skeleton, options: &Tubes) -> Result<Self, SurfaceError> {
+    pub(super) fn of(skeleton: &Skeleton, options: &Tubes, watch: &Watch<'_>) -> Result<Self, SurfaceError> {
         let thickest = thickest(skeleton)?;
         let branches = skeleton.branches();
         let dropped = options.dropped(skeleton, &branches);
@@ -109,6 +110,7 @@ impl Axes {
         let mut sampler = Sampler { options, dropped: &dropped, knots: Vec::new(), marks: Vec::new() };
         for (number, branch) in branches.iter().enumerate() {
             let nodes = branch.nodes();
+            watch.pass(nodes.len() - 1)?;
             if dropped.contains(number) || nodes.len() < 2 {
                 continue;
             }

@@ -1,7 +1,9 @@
 //! One tree in several levels of detail.
 
+use super::tube::PLANNING;
 use super::weave::Plan;
-use super::{Mesh, SurfaceError, Tubes};
+use super::{Mesh, SurfaceError, Tubes, far};
+use crate::observer::{Observer, Watch, Work};
 use crate::parallel;
 use crate::{Bounds, ParameterError, Skeleton};
 use std::{iter, mem};
@@ -87,9 +89,34 @@ impl Levels {
     /// # Errors
     /// A count out of range; whatever [`Tubes::mesh`] refuses.
     pub fn of(&self, skeleton: &Skeleton) -> Result<Vec<Level>, SurfaceError> {
+        self.levels(skeleton, None)
+    }
+
+    /// As [`of`](Self::of), telling `observer` how far it is and stopping when told to.
+    ///
+    /// # Errors
+    /// As [`of`](Self::of), and [`SurfaceError::Cancelled`].
+    pub fn of_observed(
+        &self,
+        skeleton: &Skeleton,
+        observer: &dyn Observer,
+    ) -> Result<Vec<Level>, SurfaceError> {
+        // Each level takes half the time of the one before: as much as two of the first together, and some for trying.
+        let watch = Watch::new(observer, Work::Surface, 8 * skeleton.len(), PLANNING);
+        let levels = self.levels(skeleton, Some(&watch))?;
+        watch.finish()?;
+        Ok(levels)
+    }
+
+    fn levels(&self, skeleton: &Skeleton, watch: Option<&Watch<'_>>) -> Result<Vec<Level>, SurfaceError> {
         ParameterError::unless((1..=32).contains(&self.count), "Levels.count", self.count, "1 to 32")?;
         let tubes = |error| self.tubes.clone().with_error(error);
-        let mut next = Some((0, tubes(self.error).plan(skeleton)?));
+        let offset = far::offset_of(skeleton);
+        let skeleton = &*far::near(skeleton, offset);
+        let silent = Watch::silent();
+        let is_watched = watch.is_some();
+        let watch = watch.unwrap_or(&silent);
+        let mut next = Some((0, tubes(self.error).plan_watched(skeleton, watch)?));
         let size = Bounds::of(skeleton.positions().iter().copied()).size().length();
         let widest = skeleton.radii().iter().copied().fold(0.0, f32::max);
         // At an error of the whole tree's size nothing is left to save.
@@ -100,12 +127,16 @@ impl Levels {
         let mut levels: Vec<Level> = Vec::new();
         while let Some((step, plan)) = next {
             let error = errors[step];
-            let after = |triangles| half(step, &errors, triangles / 2, |error| tubes(error).plan(skeleton));
+            let after = |triangles| {
+                half(step, &errors, triangles / 2, |error| tubes(error).plan_watched(skeleton, watch))
+            };
             let is_last = levels.len() + 1 == self.count as usize;
-            let (mesh, ahead) = parallel::join(
-                || plan.weave(&tubes(error)),
-                || if is_last { Ok(None) } else { after(plan.triangles) },
-            );
+            let weave = || plan.weave_watched(&tubes(error), watch);
+            let look_ahead = || if is_last { Ok(None) } else { after(plan.triangles) };
+            // One after the other for an observer, who is told from one thread.
+            let (mesh, ahead) =
+                if is_watched { (weave(), look_ahead()) } else { parallel::join(weave, look_ahead) };
+            let mesh = far::back_open(mesh?, offset)?;
             if mesh.is_empty() {
                 break;
             }
@@ -136,7 +167,8 @@ impl Tubes {
     /// # Errors
     /// Fewer triangles than the trunk needs, [`SurfaceError::TooFewTriangles`]; whatever [`mesh`](Self::mesh) refuses.
     pub fn within(&self, skeleton: &Skeleton, triangles: usize) -> Result<Level, SurfaceError> {
-        Ok(self.within_keeping(skeleton, triangles)?.0)
+        let silent = Watch::silent();
+        Ok(self.within_keeping(skeleton, triangles, &silent)?.0)
     }
 
     /// As [`within`](Self::within), and for each branch whether it is there.
@@ -144,6 +176,7 @@ impl Tubes {
         &self,
         skeleton: &Skeleton,
         triangles: usize,
+        watch: &Watch<'_>,
     ) -> Result<(Level, Vec<bool>), SurfaceError> {
         /// How much the error grows from one step to the next.
         const STEP: f32 = 1.125;
@@ -154,6 +187,8 @@ impl Tubes {
         let widest = skeleton.radii().iter().copied().fold(0.0, f32::max);
         let size = Bounds::of(skeleton.positions().iter().copied()).size().length();
         let tubes = |error| self.clone().with_error(error).with_unseen(UNSEEN);
+        let offset = far::offset_of(skeleton);
+        let skeleton = &*far::near(skeleton, offset);
         let first = (widest * LEAST).clamp(1e-6, f32::MAX);
         // At an error of the whole tree's size nothing is left to save.
         let mut errors = vec![first];
@@ -161,13 +196,13 @@ impl Tubes {
             errors.push(errors[errors.len() - 1] * STEP);
         }
         let (mut low, mut high) = (0, errors.len() - 1);
-        let mut found = tubes(errors[high]).plan(skeleton)?;
+        let mut found = tubes(errors[high]).plan_watched(skeleton, watch)?;
         if found.triangles > triangles {
             return Err(SurfaceError::TooFewTriangles { triangles, least: found.triangles });
         }
         while low < high {
             let middle = usize::midpoint(low, high);
-            let plan = tubes(errors[middle]).plan(skeleton)?;
+            let plan = tubes(errors[middle]).plan_watched(skeleton, watch)?;
             if plan.triangles <= triangles {
                 (high, found) = (middle, plan);
             } else {
@@ -177,7 +212,8 @@ impl Tubes {
         let error = errors[high];
         let mut kept = vec![false; skeleton.branches().len()];
         found.axes.all.iter().for_each(|axis| kept[axis.branch] = true);
-        Ok((Level { mesh: found.weave(&tubes(error)), error }, kept))
+        let mesh = far::back_open(found.weave_watched(&tubes(error), watch)?, offset)?;
+        Ok((Level { mesh, error }, kept))
     }
 }
 

@@ -25,6 +25,7 @@ pub mod blob;
 mod capsule;
 mod circle;
 mod collar;
+mod far;
 mod implicit;
 mod internodes;
 mod lanes;
@@ -47,6 +48,7 @@ mod wind;
 mod wood;
 
 pub use capsule::{Capsule, Capsules};
+pub(crate) use far::{is_far, step};
 pub use implicit::{Implicit, Polygonizer};
 #[cfg(feature = "preview")]
 pub(crate) use implicit::{solid, span};
@@ -65,6 +67,7 @@ pub(crate) use wind::Air;
 pub use wind::Wind;
 
 use crate::ParameterError;
+use crate::observer::Cancelled;
 use glam::Vec3;
 
 /// Why no surface can be made of a skeleton.
@@ -74,6 +77,9 @@ pub enum SurfaceError {
     /// An option out of its range.
     #[error(transparent)]
     Parameter(#[from] ParameterError),
+    /// The observer cancelled the work.
+    #[error("cancelled by the observer")]
+    Cancelled,
     /// Every radius is zero: no radius model has been applied yet.
     #[error("all {nodes} nodes have the radius zero; give them some, e.g. by radius::PipeModel")]
     NoRadii {
@@ -83,7 +89,7 @@ pub enum SurfaceError {
     /// The closed surface needs more blocks of voxels than were allowed.
     #[error(
         "the surface needs more than the {most} blocks allowed (most_blocks), each of 4 x 4 x 4 voxels, at a finest \
-         voxel of {voxel} m; allow more, which take about 0.6 GB a million, or use a larger voxel or a smaller detail"
+         voxel of {voxel} m, a block counting once more for every 32 primitives felt in it; allow more, which take about 0.6 GB a million, or use a larger voxel or a smaller detail"
     )]
     TooManyBlocks {
         /// The side of the finest voxels, metres.
@@ -99,14 +105,16 @@ pub enum SurfaceError {
         /// Least number that the trunk needs.
         least: usize,
     },
-    /// More vertices than 32-bit indices can name.
+    /// More vertices than are made: [`Tubes`] make at most 150 million, which take 11 GB with their triangles; other surfaces as
+    /// many as 32-bit indices can name.
     #[error(
-        "the mesh would need {vertices} vertices, but 32-bit indices name at most {}; use fewer sides",
-        u32::MAX
+        "the mesh would need {vertices} vertices, but at most {most} are made; use fewer sides, or a larger error or voxel"
     )]
     TooLarge {
         /// An upper bound of the vertices needed.
         vertices: usize,
+        /// The most that are made.
+        most: usize,
     },
     /// A node so far out or so thick that its surface cannot be computed in 32-bit floats.
     #[error("node {node} at {position} with the radius {radius} reaches beyond a million kilometres")]
@@ -118,4 +126,25 @@ pub enum SurfaceError {
         /// Its radius, metres.
         radius: f32,
     },
+    /// So far from the origin that 32-bit floats cannot tell the surface's vertices apart.
+    #[error(
+        "at {position} m 32-bit floats have steps of {step} m, which turn over or flatten the triangles of {}% of the \
+         surface; take an offset off the positions, such as the trunk base, make the surface there, and move it where \
+         numbers have more digits",
+        (lost * 100.0).ceil()
+    )]
+    Shapeless {
+        /// Where the surface is, metres; 0 on axes on which it is near the origin.
+        position: Vec3,
+        /// What is between one number and the next there, metres.
+        step: f32,
+        /// The share of the surface whose triangles lose their shape, 0 to 1.
+        lost: f32,
+    },
+}
+
+impl From<Cancelled> for SurfaceError {
+    fn from(_: Cancelled) -> Self {
+        Self::Cancelled
+    }
 }

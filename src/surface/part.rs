@@ -91,7 +91,7 @@ impl Mesh {
     pub(crate) fn merged(&self, copies: &[Instance]) -> Result<Self, SurfaceError> {
         let vertices = self.positions.len() * copies.len();
         if vertices > u32::MAX as usize {
-            return Err(SurfaceError::TooLarge { vertices });
+            return Err(SurfaceError::TooLarge { vertices, most: u32::MAX as usize });
         }
         let mut mesh = Self::default();
         mesh.positions.reserve(vertices);

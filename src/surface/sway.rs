@@ -5,6 +5,7 @@ use super::internodes::Internodes;
 use super::{Mesh, SurfaceError, Wind};
 use crate::Skeleton;
 use crate::math::UP;
+use crate::observer::{Cancelled, Watch};
 use crate::parallel;
 use glam::Vec3;
 
@@ -159,11 +160,23 @@ impl Sway {
 
     /// Gives each vertex of a mesh the [`Wind`] of the internode with the nearest surface, in place of what it had. With the feature `parallel`, on rayon's threads. O(vertices · log nodes).
     pub fn clothe(&self, mesh: &mut Mesh) {
+        let silent = Watch::silent();
+        // Nobody cancels it.
+        let _ = self.clothe_watched(mesh, &silent);
+    }
+
+    /// The same, a step a vertex.
+    pub(crate) fn clothe_watched(&self, mesh: &mut Mesh, watch: &Watch<'_>) -> Result<(), Cancelled> {
         let ends: Vec<Vec3> = self.bends.iter().map(|bend| bend.at).collect();
         let internodes = Internodes::new(&ends, &self.parents, &self.radii);
         let chunks: Vec<&[Vec3]> = mesh.positions.chunks(CHUNK).collect();
         let of = |position: &Vec3| self.wind(internodes.nearest(*position), *position);
-        mesh.wind = parallel::map(chunks.len(), |i| chunks[i].iter().map(of).collect::<Vec<_>>()).concat();
+        let wind = parallel::map(chunks.len(), |i| {
+            if watch.steps(chunks[i].len()) { chunks[i].iter().map(of).collect() } else { Vec::new() }
+        });
+        watch.pass(0)?;
+        mesh.wind = wind.concat();
+        Ok(())
     }
 
     /// Angles by which trunk, limb and twig turn an internode at the place next to a point, radians at the strongest gust.

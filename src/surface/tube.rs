@@ -2,12 +2,17 @@
 
 use super::axis::Axes;
 use super::weave::Plan;
-use super::{Mesh, SurfaceError, Sway};
+use super::{Mesh, SurfaceError, Sway, far};
 use crate::math;
+use crate::observer::{Observer, Silent, Watch, Work};
 use crate::skeleton::Branches;
 use crate::{ParameterError, Skeleton};
 use std::f32::consts::PI;
 
+/// Nodes planned from one report to the next, of each twice; or rings of up to 16 vertices made.
+pub(super) const PLANNING: usize = 1024;
+/// Vertices of one mesh at the most: with its triangles 11 GB. A million branches need less.
+const MOST_VERTICES: usize = 150_000_000;
 /// Greatest factor by which branches are wider to make up for those left out.
 const MOST_WIDENING: f32 = 1.3;
 
@@ -38,6 +43,9 @@ const MOST_WIDENING: f32 = 1.3;
 /// everywhere, and as wide but for the rounding, down to branches one square around; thinner ones squeeze one square.
 /// [`with_square_tiles`](Self::with_square_tiles) shortens squares where they are narrow. Caps of bases continue in metres.
 /// [Tangents](Mesh::tangents) are exact, not averaged over triangles.
+///
+/// **Far from the origin** a tree has the tubes that it has at the origin, with vertices rounded to what 32-bit floats have there:
+/// 1 mm at 10 km. Where that turns over or flattens more than 2% of the surface there is an error.
 ///
 /// O(nodes · sides) time and memory: 48 bytes a vertex, 24 bytes a quad.
 ///
@@ -212,19 +220,45 @@ impl Tubes {
     /// length, gives an empty mesh.
     ///
     /// # Errors
-    /// An option out of range; radii that are all zero though there are internodes; more vertices than 32-bit
-    /// indices can name; a node more than a million kilometres out or thick.
+    /// An option out of range; radii that are all zero though there are internodes; more than 150 million
+    /// vertices; a node more than a million kilometres out or thick; a tree so far out that floats cannot tell its
+    /// vertices apart, [`SurfaceError::Shapeless`].
     pub fn mesh(&self, skeleton: &Skeleton) -> Result<Mesh, SurfaceError> {
-        Ok(self.plan(skeleton)?.weave(self))
+        self.mesh_observed(skeleton, &Silent)
     }
 
+    /// As [`mesh`](Self::mesh), telling `observer` how far it is and stopping when told to.
+    ///
+    /// # Errors
+    /// As [`mesh`](Self::mesh), and [`SurfaceError::Cancelled`].
+    pub fn mesh_observed(&self, skeleton: &Skeleton, observer: &dyn Observer) -> Result<Mesh, SurfaceError> {
+        let watch = Watch::new(observer, Work::Surface, 4 * skeleton.len(), PLANNING);
+        let mesh = self.mesh_watched(skeleton, &watch)?;
+        watch.finish()?;
+        Ok(mesh)
+    }
+
+    /// The same, about four steps a node.
+    pub(crate) fn mesh_watched(&self, skeleton: &Skeleton, watch: &Watch<'_>) -> Result<Mesh, SurfaceError> {
+        let offset = far::offset_of(skeleton);
+        let plan = self.plan_watched(&far::near(skeleton, offset), watch)?;
+        far::back_open(plan.weave_watched(self, watch)?, offset)
+    }
+
+    #[cfg(test)]
     pub(super) fn plan(&self, skeleton: &Skeleton) -> Result<Plan, SurfaceError> {
+        self.plan_watched(skeleton, &Watch::silent())
+    }
+
+    /// The same, two steps a node.
+    pub(super) fn plan_watched(&self, skeleton: &Skeleton, watch: &Watch<'_>) -> Result<Plan, SurfaceError> {
         self.check()?;
-        let axes = if skeleton.segments() == 0 { Axes::default() } else { Axes::of(skeleton, self)? };
+        let axes = if skeleton.segments() == 0 { Axes::default() } else { Axes::of(skeleton, self, watch)? };
         let sway = if self.wind && skeleton.segments() > 0 { Some(Sway::of(skeleton)?) } else { None };
-        let plan = Plan::new(axes, sway, self);
+        let plan = Plan::new(axes, sway, self, watch)?;
         let vertices = plan.vertices;
-        if vertices > u32::MAX as usize { Err(SurfaceError::TooLarge { vertices }) } else { Ok(plan) }
+        let most = MOST_VERTICES;
+        if vertices > most { Err(SurfaceError::TooLarge { vertices, most }) } else { Ok(plan) }
     }
 
     fn check(&self) -> Result<(), ParameterError> {

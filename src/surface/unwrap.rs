@@ -118,7 +118,8 @@ impl Unwrap {
             }
         }
         if copies.vertices.len() >= NONE as usize {
-            return Err(SurfaceError::TooLarge { vertices: copies.vertices.len() });
+            let (vertices, most) = (copies.vertices.len(), u32::MAX as usize);
+            return Err(SurfaceError::TooLarge { vertices, most });
         }
         let (tangents, uvs) = (copies.tangents, copies.uvs);
         *mesh = Mesh { tangents, uvs, indices, ..mesh.gathered(&copies.vertices) };

@@ -10,6 +10,7 @@ use super::sway::Bend;
 use super::wood::Place;
 use super::{Mesh, Sway, Tubes, Wind};
 use crate::math::perpendicular;
+use crate::observer::{Cancelled, Watch};
 use glam::{Vec2, Vec3, Vec4};
 use std::f32::consts::{FRAC_1_SQRT_2, TAU};
 
@@ -34,8 +35,13 @@ pub(super) struct Plan {
 }
 
 impl Plan {
-    pub(super) fn new(mut axes: Axes, sway: Option<Sway>, options: &Tubes) -> Self {
-        axes.attach(options);
+    pub(super) fn new(
+        mut axes: Axes,
+        sway: Option<Sway>,
+        options: &Tubes,
+        watch: &Watch<'_>,
+    ) -> Result<Self, Cancelled> {
+        axes.attach(options, watch)?;
         let (mut vertices, mut triangles) = (0, 0);
         for axis in &axes.all {
             let sides = axis.sides as usize;
@@ -51,15 +57,23 @@ impl Plan {
                 triangles += sides;
             }
         }
-        Self { axes, sway, vertices, triangles }
+        Ok(Self { axes, sway, vertices, triangles })
     }
 
-    pub(super) fn weave(&self, options: &Tubes) -> Mesh {
-        self.weave_each(options, |_, _| {})
+    /// The mesh, a step for 16 vertices of a ring.
+    pub(super) fn weave_watched(&self, options: &Tubes, watch: &Watch<'_>) -> Result<Mesh, Cancelled> {
+        let mesh = self.weave_all(options, watch, |_, _| {});
+        watch.pass(0)?;
+        Ok(mesh)
     }
 
     /// Calls `woven` after each axis with that axis and the mesh up to there.
-    pub(super) fn weave_each(&self, options: &Tubes, mut woven: impl FnMut(&Axis, &Mesh)) -> Mesh {
+    #[cfg(test)]
+    pub(super) fn weave_each(&self, options: &Tubes, woven: impl FnMut(&Axis, &Mesh)) -> Mesh {
+        self.weave_all(options, &Watch::silent(), woven)
+    }
+
+    fn weave_all(&self, options: &Tubes, watch: &Watch<'_>, mut woven: impl FnMut(&Axis, &Mesh)) -> Mesh {
         let mut mesh = Mesh::default();
         // Rings are made in fours.
         let vertices = self.vertices + LANES;
@@ -87,6 +101,7 @@ impl Plan {
             bends: Vec::new(),
             feet: Vec::new(),
             blower: None,
+            watch,
         };
         let mut forks = vec![false; if options.even_texels { self.axes.stations.len() } else { 0 }];
         if options.even_texels {
@@ -115,6 +130,9 @@ impl Plan {
                 weaver.blower = Some((swung.sway, axis.branch));
             }
             weaver.weave();
+            if !watch.goes_on() {
+                break;
+            }
             woven(axis, &weaver.mesh);
         }
         weaver.mesh
@@ -191,6 +209,7 @@ struct Weaver<'a> {
     /// ring, and the bearer's node.
     feet: Vec<([Vec3; 3], u32)>,
     blower: Option<(&'a Sway, usize)>,
+    watch: &'a Watch<'a>,
 }
 
 impl Weaver<'_> {
@@ -209,6 +228,9 @@ impl Weaver<'_> {
             }
         }
         for i in 0..self.line.len() {
+            if !self.watch.steps(self.circle.corners.len().div_ceil(16)) {
+                return;
+            }
             let ring = self.level(i);
             self.go_on(&mut before, ring, i, None);
             if let Some((_, tiles)) = self.sections.pop_if(|(ring, _)| *ring == i) {

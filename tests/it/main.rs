@@ -6,6 +6,7 @@ mod allocations;
 mod asset;
 #[cfg(feature = "json")]
 mod bad_input;
+mod bent;
 mod blob;
 #[cfg(feature = "testing")]
 mod climbing;
@@ -14,6 +15,7 @@ mod drawn;
 mod editing;
 mod example;
 mod exports;
+mod far;
 mod figures;
 mod foliage;
 #[cfg(feature = "testing")]
@@ -49,3 +51,4 @@ mod shapes;
 mod stability;
 mod surface;
 mod variational;
+mod watched;

@@ -132,7 +132,7 @@ impl<S: Solid> Cast for Octree<'_, S> {
     }
 
     fn is_full(&self) -> bool {
-        Octree::is_full(self)
+        Octree::is_full(self) || self.is_crowded()
     }
 }
 

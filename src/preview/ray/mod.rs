@@ -16,6 +16,10 @@ use crate::{Observer, ParameterError, Skeleton};
 use glam::Vec3;
 use octree::Octree;
 
+/// The work that crowds of primitives may make for each sample of a picture, in values of 32 primitives: a sample takes about ten
+/// values, so that a picture takes a hundred times as long as others at the most.
+const MOST_WORK: usize = 1000;
+
 /// Draws implicit surfaces as they are, without triangles: the same camera, sun, sky, ground and background as
 /// [`Preview`], and meshes, such as leaves, in the same picture.
 ///
@@ -68,8 +72,8 @@ impl RayCaster {
         self
     }
 
-    /// The greatest number of cubes that the surface may pass, 1 to a billion; default 20 million. A cube takes some 300
-    /// bytes; the tree above needs about 2 million.
+    /// The greatest number of cubes that the surface may pass, 1 to a billion; default 20 million. One in which many primitives
+    /// are felt counts once more for every 32 of them. A cube takes some 300 bytes; the tree above needs about 2 million.
     pub fn with_most_cubes(mut self, cubes: usize) -> Self {
         self.most_cubes = cubes;
         self
@@ -99,7 +103,7 @@ impl RayCaster {
         parts: &[Part<'_>],
         observer: &dyn Observer,
     ) -> Result<Picture, PreviewError> {
-        let (field, _) = surface.field(skeleton)?;
+        let field = surface.field_there(skeleton)?;
         self.cast(&&field, parts, observer)
     }
 
@@ -122,10 +126,16 @@ impl RayCaster {
         let axes = [Vec3::X, Vec3::Y, Vec3::Z, Vec3::NEG_X, Vec3::NEG_Y, Vec3::NEG_Z];
         let directions = [&axes[..], &self.preview.directions()].concat();
         let stage = self.preview.stage(parts, &outline::outline(solid, &directions))?;
-        let octree = Octree::new(solid, &stage.view, self.preview.supersampling, self.most_cubes);
+        let samples = self.preview.supersampling as usize;
+        let rays = self.preview.width as usize * self.preview.height as usize * samples * samples;
+        let most = [self.most_cubes, rays.saturating_mul(MOST_WORK)];
+        let octree = Octree::with_work(solid, &stage.view, self.preview.supersampling, most);
         let picture = self.preview.paint(&stage, Some(&octree), self.shadows, observer)?;
         if octree.is_full() {
             return Err(PreviewError::TooManyCubes { most: self.most_cubes });
+        }
+        if octree.is_crowded() {
+            return Err(PreviewError::Crowded);
         }
         Ok(picture)
     }

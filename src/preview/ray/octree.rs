@@ -4,7 +4,7 @@
 
 use super::super::camera::View;
 use crate::Bounds;
-use crate::surface::solid::{Coverage, Part, Solid};
+use crate::surface::solid::{CROWD, Coverage, Part, Solid};
 use glam::Vec3;
 use std::array;
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -69,6 +69,8 @@ pub(super) struct Leaf<P> {
     pub(super) lipschitz: f32,
     /// To within which roots are wanted, metres.
     pub(super) tolerance: f32,
+    /// What many primitives add to the work of a value there.
+    pub(super) crowd: usize,
 }
 
 pub(super) struct Inner<P> {
@@ -87,14 +89,29 @@ pub(super) struct Octree<'a, S: Solid> {
     pub(super) root: Node<S::Part>,
     cubes: AtomicUsize,
     most: usize,
+    /// The work of crowded values, and how much of it there may be.
+    work: AtomicUsize,
+    most_work: usize,
 }
 
 impl<'a, S: Solid> Octree<'a, S> {
-    /// Of a solid whose bounds are finite and not empty. Cubes that the surface may pass are at most `most`.
+    #[cfg(test)]
     pub(super) fn new(solid: &'a S, view: &'a View, samples: u32, most: usize) -> Self {
+        Self::with_work(solid, view, samples, [most, usize::MAX])
+    }
+
+    /// Of a solid whose bounds are finite and not empty. Cubes that the surface may pass are at most `most`, and crowds of
+    /// primitives make no more than `most_work`.
+    pub(super) fn with_work(
+        solid: &'a S,
+        view: &'a View,
+        samples: u32,
+        [most, most_work]: [usize; 2],
+    ) -> Self {
         let cube = Cube::around(solid.bounds());
-        let (root, cubes) = (Node::Outside, AtomicUsize::new(0));
-        let mut octree = Self { solid, view, samples: samples as f32, cube, root, cubes, most };
+        let (root, cubes, work) = (Node::Outside, AtomicUsize::new(0), AtomicUsize::new(0));
+        let samples = samples as f32;
+        let mut octree = Self { solid, view, samples, cube, root, cubes, most, work, most_work };
         octree.root = octree.node(None, cube);
         octree
     }
@@ -102,6 +119,16 @@ impl<'a, S: Solid> Octree<'a, S> {
     /// Whether more cubes were needed than were allowed: what has been found is of no use then.
     pub(super) fn is_full(&self) -> bool {
         self.cubes.load(Ordering::Relaxed) > self.most
+    }
+
+    /// Whether crowds of primitives made more work than was allowed: what has been found is of no use then.
+    pub(super) fn is_crowded(&self) -> bool {
+        self.work.load(Ordering::Relaxed) > self.most_work
+    }
+
+    /// Counts work in a leaf; says whether there may be more.
+    pub(super) fn works(&self, crowd: usize) -> bool {
+        crowd == 0 || self.work.fetch_add(crowd, Ordering::Relaxed) <= self.most_work
     }
 
     /// The side of a pixel at a point, metres.
@@ -115,7 +142,7 @@ impl<'a, S: Solid> Octree<'a, S> {
             Coverage::Inside => return Node::Inside,
             Coverage::Crossed(part) => part,
         };
-        if self.cubes.fetch_add(1, Ordering::Relaxed) >= self.most {
+        if self.cubes.fetch_add(1 + part.count() / CROWD, Ordering::Relaxed) >= self.most {
             return Node::Outside;
         }
         let (detail, pixel) = (part.detail(), self.pixel(cube.middle()));
@@ -124,7 +151,8 @@ impl<'a, S: Solid> Octree<'a, S> {
         }
         let lipschitz = part.lipschitz();
         let tolerance = TOLERANCE * detail.min(pixel).min(cube.side);
-        Node::Leaf(Box::new(Leaf { part, lipschitz, tolerance }))
+        let crowd = part.count() / CROWD;
+        Node::Leaf(Box::new(Leaf { part, lipschitz, tolerance, crowd }))
     }
 
     /// The eighths of a cube.

@@ -2,13 +2,16 @@
 
 use super::octree::Cube;
 use crate::Bounds;
-use crate::surface::solid::{Coverage, Solid};
+use crate::surface::solid::{Coverage, Part, Solid};
 use glam::Vec3;
 
 /// Extents are found to within this part of the whole.
 const FINENESS: f32 = 1.0 / 2048.0;
 /// Cubes looked at for one direction, at most; what is flat would need one for each of its pieces.
 const MOST: usize = 2000;
+
+/// Primitives and operators looked at, at most: where hundred thousands meet at one place it stays rough.
+const MOST_WORK: usize = 100_000_000;
 
 /// A cube that the surface may pass, or that is all inside.
 struct Found<P> {
@@ -31,6 +34,8 @@ pub(super) fn outline<S: Solid>(solid: &S, directions: &[Vec3]) -> Vec<Vec3> {
     };
     found.extend(add(None, whole));
     let least = bounds.size().max_element() * FINENESS;
+    // Primitives and operators looked at so far.
+    let mut work = 0;
     let mut points = Vec::new();
     for &direction in directions {
         let reach = |cube: Cube| {
@@ -44,13 +49,18 @@ pub(super) fn outline<S: Solid>(solid: &S, directions: &[Vec3]) -> Vec<Vec3> {
                 .enumerate()
                 .max_by(|(_, (a, _)), (_, (b, _))| a.0.total_cmp(&b.0).then(a.1.total_cmp(&b.1)));
             let Some((at, &((_, _, corner), index))) = best else { break };
-            if found[index].part.is_none() || found[index].cube.side <= least || turn == MOST {
+            if found[index].part.is_none()
+                || found[index].cube.side <= least
+                || turn == MOST
+                || work > MOST_WORK
+            {
                 points.push(corner);
                 break;
             }
             open.swap_remove(at);
             if found[index].children.is_none() {
                 let Found { part, cube, .. } = &found[index];
+                work += 8 * part.as_ref().map_or(0, Part::count);
                 let fresh: Vec<_> = (0..8).filter_map(|i| add(part.as_ref(), cube.child(i))).collect();
                 found[index].children = Some((found.len()..found.len() + fresh.len()).collect());
                 found.extend(fresh);

@@ -202,6 +202,10 @@ impl<'o, S: Solid, V: FnMut(Crossing<'o, S::Part>) -> ControlFlow<()>> Walk<'_, 
             leaf.part.value(point.clamp(bounds.min, bounds.max))
         };
         let last = Some((leaf, cube));
+        // For the passage, and then for each value.
+        if !self.octree.works(leaf.crowd) {
+            return ControlFlow::Break(());
+        }
         // Only from what is felt first to what is felt last; but a way out may be anywhere.
         let exit = leave;
         let (enter, leave) = if self.inside {
@@ -239,6 +243,9 @@ impl<'o, S: Solid, V: FnMut(Crossing<'o, S::Part>) -> ControlFlow<()>> Walk<'_, 
                 break;
             }
             t = if step >= least { t + step } else { (t + least).min(end) };
+            if !self.octree.works(leaf.crowd) {
+                return ControlFlow::Break(());
+            }
             here = value(t);
         }
         self.last = last;

@@ -28,6 +28,7 @@ fn every_way_to_say_a_square() {
         "M1,1 5,1 5,5 1,5Z",
         "M1 1h2 2v2 2h-4z",
         "M 1\n1 H5V5H1Z",
+        "M 1 1 h 4\u{c}v 4 h-4z",
         "\t M1 1 l 4,0 , 0,4 -4,0 z ",
         "M.5.5 4.5.5 4.5 4.5.5 4.5z",
         "M1e0 1E0h4e+0v40e-1h-4z",

@@ -8,6 +8,8 @@ use super::operator::{Contact, Operator};
 use super::primitive::{Leaf, Primitive, Range};
 use super::scene::{Kind, Scene, Warp};
 use crate::Bounds;
+use crate::observer::Watch;
+use crate::surface::far;
 use glam::Affine3A;
 use std::sync::atomic::{AtomicU32, Ordering};
 
@@ -231,13 +233,19 @@ impl BlobTreeBuilder {
     /// # Errors
     /// A root whose field is nowhere 1/2, so that there is no surface; warps of warps that are
     /// [singular](Self::warp) together, or reach beyond four million kilometres; a node of another builder.
-    pub fn finish(mut self, root: Node) -> Result<BlobTree, BlobError> {
+    pub fn finish(self, root: Node) -> Result<BlobTree, BlobError> {
+        self.finish_watched(root, &Watch::silent())
+    }
+
+    /// The same, a step a part.
+    pub(super) fn finish_watched(mut self, root: Node, watch: &Watch<'_>) -> Result<BlobTree, BlobError> {
         let root = self.take(Operator::Union, [root])?[0];
         let Entry { bounds, most, .. } = self.entries[root as usize];
         if bounds.is_empty() || most < super::field::ISO {
             return Err(BlobError::Empty { most: if bounds.is_empty() { 0.0 } else { most } });
         }
-        let tree = BlobTree::new(Scene::new(&self, root)?);
+        let origin = far::offset(bounds.center(), bounds);
+        let tree = BlobTree::new(Scene::new(&self, root, origin, watch)?, origin);
         let bounds = tree.bounds();
         if bounds.min.abs().max(bounds.max.abs()).max_element() > FARTHEST {
             return Err(BlobError::TooFar { bounds });

@@ -1,5 +1,6 @@
 //! Why there is no [`BlobTree`](super::BlobTree).
 
+use crate::observer::Cancelled;
 use crate::{Bounds, ParameterError};
 use glam::Affine3A;
 
@@ -7,6 +8,9 @@ use glam::Affine3A;
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum BlobError {
+    /// The observer cancelled the work.
+    #[error("cancelled by the observer")]
+    Cancelled,
     /// An option out of its range.
     #[error(transparent)]
     Parameter(#[from] ParameterError),
@@ -75,4 +79,10 @@ pub enum BlobError {
         /// Its radius, metres.
         radius: f32,
     },
+}
+
+impl From<Cancelled> for BlobError {
+    fn from(_: Cancelled) -> Self {
+        Self::Cancelled
+    }
 }

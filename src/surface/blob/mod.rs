@@ -56,25 +56,46 @@ const BARK: [f32; 3] = [0.16, 0.118, 0.088];
 #[derive(Debug, Clone)]
 pub struct BlobTree {
     scene: Arc<Scene>,
+    /// Where the scene's origin is: 0 unless the solid is far from the origin.
+    origin: Vec3,
 }
 
 impl BlobTree {
-    fn new(scene: Scene) -> Self {
-        Self { scene: Arc::new(scene) }
+    fn new(scene: Scene, origin: Vec3) -> Self {
+        Self { scene: Arc::new(scene), origin }
+    }
+
+    /// The same solid, its own origin elsewhere.
+    fn moved_to(mut self, origin: Vec3) -> Self {
+        self.origin = origin;
+        self
+    }
+
+    /// The same solid, moved so that its own origin is the origin.
+    pub(super) fn at_origin(&self) -> Self {
+        self.clone().moved_to(Vec3::ZERO)
+    }
+
+    /// Where its own origin is.
+    pub(super) fn origin(&self) -> Vec3 {
+        self.origin
     }
 
     /// The value at a point: 0 on the surface, above 0 inside, and -1/2 where nothing is felt.
     pub fn value(&self, point: Vec3) -> f32 {
+        let point = point - self.origin;
         self.scene.value(self.scene.near(point).into_iter().rev(), point)
     }
 
     /// The value at a point and its gradient, a metre; it points inwards. Of length 0 where the field is level.
     pub fn gradient(&self, point: Vec3) -> (f32, Vec3) {
+        let point = point - self.origin;
         self.scene.gradient(self.scene.near(point).into_iter().rev(), point)
     }
 
     /// The linear RGB colour at a point on the surface; black where nothing is felt.
     pub fn color(&self, point: Vec3) -> [f32; 3] {
+        let point = point - self.origin;
         self.scene.color(self.scene.near(point).into_iter().rev(), point)
     }
 
@@ -85,7 +106,7 @@ impl BlobTree {
 
     /// A box that holds every point where anything is felt, and so the solid, metres.
     pub fn bounds(&self) -> Bounds {
-        self.scene.bounds.last().copied().unwrap_or(Bounds::EMPTY)
+        self.scene.bounds.last().map_or(Bounds::EMPTY, |bounds| bounds.translated(self.origin))
     }
 
     /// The number of primitives.

@@ -23,6 +23,7 @@ const FAINT: f32 = 0.05;
 #[derive(Debug, Clone)]
 pub struct BlobPart {
     scene: Arc<Scene>,
+    origin: Vec3,
     steps: Box<[Kind]>,
     slope: f32,
     detail: f32,
@@ -31,17 +32,17 @@ pub struct BlobPart {
 impl BlobPart {
     /// As [`BlobTree::value`], at a point of the box.
     pub fn value(&self, point: Vec3) -> f32 {
-        self.scene.value(self.steps.iter().copied(), point)
+        self.scene.value(self.steps.iter().copied(), point - self.origin)
     }
 
     /// As [`BlobTree::gradient`], at a point of the box.
     pub fn gradient(&self, point: Vec3) -> (f32, Vec3) {
-        self.scene.gradient(self.steps.iter().copied(), point)
+        self.scene.gradient(self.steps.iter().copied(), point - self.origin)
     }
 
     /// As [`BlobTree::color`], at a point of the box.
     pub fn color(&self, point: Vec3) -> [f32; 3] {
-        self.scene.color(self.steps.iter().copied(), point)
+        self.scene.color(self.steps.iter().copied(), point - self.origin)
     }
 
     /// The number of primitives and operators that count.
@@ -70,6 +71,7 @@ impl Part for BlobPart {
     }
 
     fn span(&self, passage: &Passage) -> Option<Span> {
+        let passage = &Passage { origin: passage.origin - self.origin, ..*passage };
         // Where only a bounding field is felt there is nothing.
         let next = self.steps.iter().skip(1).map(Some).chain([None]);
         hull(self.steps.iter().zip(next).map(|step| match step {
@@ -85,6 +87,10 @@ impl Part for BlobPart {
 
     fn detail(&self) -> f32 {
         self.detail
+    }
+
+    fn count(&self) -> usize {
+        self.len()
     }
 
     fn lipschitz(&self) -> f32 {
@@ -132,7 +138,8 @@ impl Fate {
 impl BlobTree {
     /// Part that counts in a box, and the bounds of its values.
     pub(super) fn prune(&self, of: Option<&BlobPart>, cube: Bounds) -> (BlobPart, Range) {
-        let scene = &self.scene;
+        let (scene, origin) = (&self.scene, self.origin);
+        let cube = Bounds::new(cube.min - origin, cube.max - origin);
         let mut gathered = Vec::new();
         let steps = of.map_or_else(
             || {
@@ -176,9 +183,8 @@ impl BlobTree {
         }
         let (range, detail) =
             fates.last().map_or((Range::NOTHING, f32::INFINITY), |fate| (fate.range, fate.detail));
-        let part =
-            BlobPart { scene: scene.clone(), steps: survivors(&mut fates), slope: range.slope, detail };
-        (part, range)
+        let (scene, steps) = (scene.clone(), survivors(&mut fates));
+        (BlobPart { scene, origin, steps, slope: range.slope, detail }, range)
     }
 }
 

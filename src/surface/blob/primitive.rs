@@ -72,6 +72,12 @@ impl Primitive {
         self
     }
 
+    /// The same, this much nearer to the origin.
+    pub(super) fn less(mut self, offset: Vec3) -> Self {
+        self.ends = self.ends.map(|end| end - offset);
+        self
+    }
+
     pub(super) fn check(&self) -> Result<(), ParameterError> {
         for end in self.ends {
             let holds = end.is_finite() && end.abs().max_element() <= FARTHEST;

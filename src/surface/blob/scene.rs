@@ -8,6 +8,7 @@ use super::jet::Jet;
 use super::operator::Operator;
 use super::primitive::{Leaf, Range};
 use crate::Bounds;
+use crate::observer::Watch;
 use crate::surface::implicit::span::{Passage, Span};
 use glam::{Affine3A, Mat3A, Vec3};
 use smallvec::SmallVec;
@@ -99,7 +100,13 @@ struct Frame {
 }
 
 impl Scene {
-    pub(super) fn new(drafts: &BlobTreeBuilder, root: u32) -> Result<Self, BlobError> {
+    /// Of what `root` is made of, all moved so that `origin` is its origin.
+    pub(super) fn new(
+        drafts: &BlobTreeBuilder,
+        root: u32,
+        origin: Vec3,
+        watch: &Watch<'_>,
+    ) -> Result<Self, BlobError> {
         let mut scene = Self {
             kinds: Vec::with_capacity(drafts.entries.len()),
             bounds: Vec::with_capacity(drafts.entries.len()),
@@ -121,17 +128,19 @@ impl Scene {
                 frame.done += 1;
                 let mut warp = frame.warp;
                 if let Draft::Warp { warp: own, .. } = draft {
-                    warp = scene.warped(warp, &drafts.warps[*own as usize])?;
+                    warp = scene.warped(warp, &drafts.warps[*own as usize], origin)?;
                 }
                 let start = scene.kinds.len() as u32;
                 frames.push(Frame { node: part, warp, done: 0, start });
                 continue;
             }
+            watch.pass(1)?;
             let leaf = scene.leaves.len() as u32;
             if let Some(kind) = draft.kind(leaf) {
                 let bounds = match draft {
                     Draft::Leaf(number) => {
-                        let leaf = Leaf::new(&drafts.leaves[*number as usize], frame.warp);
+                        let offset = if frame.warp == 0 { origin } else { Vec3::ZERO };
+                        let leaf = Leaf::new(&drafts.leaves[*number as usize].less(offset), frame.warp);
                         scene.leaves.push(leaf);
                         if frame.warp == 0 {
                             leaf.bounds()
@@ -152,8 +161,11 @@ impl Scene {
         Ok(scene)
     }
 
-    fn warped(&mut self, around: u32, own: &Warp) -> Result<u32, BlobError> {
-        let forth = self.warps[around as usize].forth * own.forth;
+    fn warped(&mut self, around: u32, own: &Warp, origin: Vec3) -> Result<u32, BlobError> {
+        let mut forth = self.warps[around as usize].forth * own.forth;
+        if around == 0 {
+            forth.translation -= glam::Vec3A::from(origin);
+        }
         let warp = Warp::new(forth).ok_or_else(|| BlobError::Singular { map: Box::new(forth) })?;
         self.warps.push(warp);
         Ok(self.warps.len() as u32 - 1)

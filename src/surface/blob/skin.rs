@@ -3,7 +3,9 @@
 use super::error::BlobError;
 use super::field::{FieldFunction, ISO};
 use super::{BARK, BlobTree, BlobTreeBuilder, Bounded, Contact, Curve, Node, Operator, Primitive};
+use crate::observer::{Observer, Silent, Watch, Work};
 use crate::skeleton::Branches;
+use crate::surface::far;
 use crate::{ParameterError, Skeleton};
 use glam::Vec3;
 
@@ -167,6 +169,19 @@ impl Skin {
     /// An option out of its range; a node whose radius is 0 or above 1e9 m, or whose place is beyond a million
     /// kilometres. The root's radius may be 0.
     pub fn blob_tree(&self, skeleton: &Skeleton) -> Result<BlobTree, BlobError> {
+        self.blob_tree_observed(skeleton, &Silent)
+    }
+
+    /// As [`blob_tree`](Self::blob_tree), telling `observer` how far it is and stopping when told to.
+    ///
+    /// # Errors
+    /// As [`blob_tree`](Self::blob_tree), and [`BlobError::Cancelled`].
+    pub fn blob_tree_observed(
+        &self,
+        skeleton: &Skeleton,
+        observer: &dyn Observer,
+    ) -> Result<BlobTree, BlobError> {
+        let watch = Watch::part(observer, Work::Surface, 0.0..0.8, skeleton.len(), 256);
         self.check()?;
         let root_alone = skeleton.segments() == 0;
         for (node, &radius) in skeleton.radii().iter().enumerate() {
@@ -174,6 +189,8 @@ impl Skin {
                 return Err(BlobError::Radius { node, radius });
             }
         }
+        let offset = far::offset_of(skeleton);
+        let skeleton = &*far::near(skeleton, offset);
         let last = skeleton.stages().iter().copied().max().unwrap_or_default();
         let age = self.age.unwrap_or(f32::from(last) + 1.0);
         let branches = skeleton.branches();
@@ -191,6 +208,7 @@ impl Skin {
             })
             .collect();
         for (number, branch) in all.iter().enumerate().rev() {
+            watch.pass(branch.nodes().len())?;
             let mut node = tailor.axis(branch.nodes(), springs[number].as_ref())?;
             for &lateral in borne[number].iter().rev() {
                 let Some(part) = done[lateral as usize].take() else { continue };
@@ -203,7 +221,13 @@ impl Skin {
             }
         }
         match done.first_mut().and_then(Option::take) {
-            Some(root) => tailor.builder.finish(root),
+            Some(root) => {
+                let watch =
+                    Watch::part(observer, Work::Surface, 0.8..1.0, tailor.builder.entries.len(), 8192);
+                let tree = tailor.builder.finish_watched(root, &watch)?.moved_to(offset);
+                watch.finish()?;
+                Ok(tree)
+            }
             None => Err(BlobError::Empty { most: 0.0 }),
         }
     }

@@ -1,7 +1,9 @@
 //! An octree whose leaves hold four voxels in each direction: the sparse blocks along the surface.
 
+use super::Voxels;
 use super::grow::{Cube, Grid};
 use super::solid::{Part, Solid};
+use crate::observer::{Cancelled, Watch};
 use crate::parallel;
 use crate::surface::SurfaceError;
 use glam::{IVec3, Vec3};
@@ -80,6 +82,8 @@ pub(super) struct Bricks<P> {
     /// Parts that count in each block or within half a voxel of it.
     pub(super) parts: Vec<P>,
     pub(super) grid: Grid,
+    /// What many primitives add to the number of blocks.
+    pub(super) crowd: usize,
     /// The level at which one block would hold everything.
     top: u8,
 }
@@ -100,10 +104,15 @@ struct Path {
 }
 
 impl<P: Part> Bricks<P> {
-    /// The blocks that the surface may pass, at most `most`. A voxel's side is `voxel` metres times the greatest power of
-    /// two that does not exceed the [detail](Part::detail) in its block, or half of that next to smaller ones: blocks that
+    /// The blocks that the surface may pass, at most so many. A voxel's side is the finest's times the greatest power of two of
+    /// which so many do not exceed the [detail](Part::detail) in its block, or half of that next to smaller ones: blocks that
     /// touch differ by one level at most, or one of them is empty.
-    pub(super) fn new(solid: &impl Solid<Part = P>, voxel: f32, most: usize) -> Result<Self, SurfaceError> {
+    pub(super) fn new(
+        solid: &impl Solid<Part = P>,
+        voxels: &Voxels,
+        watch: &Watch<'_>,
+    ) -> Result<Self, SurfaceError> {
+        let Voxels { side: voxel, per_detail, most_blocks: most } = *voxels;
         // The voxels at the octree's border, at most a quarter of its side long, have their middles outside.
         let bounds = solid.bounds();
         let least = bounds.size().max_element() * (4.0 / 3.0);
@@ -113,7 +122,8 @@ impl<P: Part> Bricks<P> {
             nodes: vec![Node::Empty(false).into()],
             leaves: Vec::new(),
             parts: Vec::new(),
-            grid: Grid { origin, voxel },
+            grid: Grid { origin, voxel, per_detail },
+            crowd: 0,
             top,
         };
         if bounds.is_empty() {
@@ -123,19 +133,20 @@ impl<P: Part> Bricks<P> {
         let too_many = SurfaceError::TooManyBlocks { voxel, most };
         // Blocks that were split have no part any more.
         let (mut parts, mut gone) = (Vec::new(), 0);
-        let mut fresh = all.grow(solid, most, vec![root], Vec::new(), &mut parts).ok_or(too_many.clone())?;
+        let mut fresh =
+            all.grow(solid, most, vec![root], Vec::new(), &mut parts, watch)?.ok_or(too_many.clone())?;
         let mut sampled = 0;
         loop {
             let large = if fresh.is_empty() {
-                all.sample_from(sampled, &parts);
+                all.sample_from(sampled, &parts, watch)?;
                 sampled = parts.len();
-                let clashing = all.clashing(&parts);
+                let clashing = all.clashing(&parts, watch)?;
                 if clashing.is_empty() {
                     break;
                 }
                 clashing
             } else {
-                all.larger_than(&mut fresh)
+                all.larger_than(&mut fresh, watch)?
             };
             gone += large.len();
             let (mut cubes, mut of) = (Vec::new(), Vec::new());
@@ -145,7 +156,7 @@ impl<P: Part> Bricks<P> {
                 of.extend(parts[number as usize].take());
                 fresh.push((corner, level));
             }
-            let grown = all.grow(solid, most + gone, cubes, of, &mut parts);
+            let grown = all.grow(solid, most + gone, cubes, of, &mut parts, watch)?;
             fresh.extend(grown.ok_or(too_many.clone())?);
         }
         all.put_in_order(parts);
@@ -188,10 +199,13 @@ impl<P: Part> Bricks<P> {
     }
 
     /// Which blocks are too large beside cubes that were split; of these, keeps those that have such.
-    fn larger_than(&self, split: &mut Vec<(IVec3, u8)>) -> Vec<u32> {
+    fn larger_than(&self, split: &mut Vec<(IVec3, u8)>, watch: &Watch<'_>) -> Result<Vec<u32>, Cancelled> {
         let groups = split.len().div_ceil(GROUP);
         let large = parallel::map(groups, |group| {
             let mut found = (Vec::new(), Vec::new());
+            if !watch.steps(GROUP / 8) {
+                return found;
+            }
             for &(corner, level) in &split[group * GROUP..split.len().min((group + 1) * GROUP)] {
                 let before = found.0.len();
                 if level < self.top {
@@ -214,21 +228,24 @@ impl<P: Part> Bricks<P> {
         let mut large = large.concat();
         large.sort_unstable();
         large.dedup();
-        large
+        watch.pass(0)?;
+        Ok(large)
     }
 
     /// Which blocks have a voxel inside beside a smaller place without blocks that is outside, or the other way round: the
     /// surface passes between the voxel's middle and that place.
-    fn clashing(&self, parts: &[Option<P>]) -> Vec<u32> {
+    fn clashing(&self, parts: &[Option<P>], watch: &Watch<'_>) -> Result<Vec<u32>, Cancelled> {
         let clashes = parallel::map(self.leaves.len(), |number| {
             let brick = &self.leaves[number];
-            parts[number].is_some()
+            (number % 64 != 0 || watch.steps(8))
+                && parts[number].is_some()
                 && brick.level > 0
                 && self.beside(brick).into_iter().zip(STEPS).any(|(place, step)| {
                     place == Place::Smaller && (0..64).any(|cell| self.clashes(brick, cell, step))
                 })
         });
-        (0..).zip(clashes).filter_map(|(number, clashes)| clashes.then_some(number)).collect()
+        watch.pass(0)?;
+        Ok((0..).zip(clashes).filter_map(|(number, clashes)| clashes.then_some(number)).collect())
     }
 
     /// Whether a voxel of a block touches, in that direction, a smaller place that is empty, but not as itself.
@@ -241,8 +258,11 @@ impl<P: Part> Bricks<P> {
     }
 
     /// Finds out which voxels of the later blocks are inside.
-    fn sample_from(&mut self, first: usize, parts: &[Option<P>]) {
+    fn sample_from(&mut self, first: usize, parts: &[Option<P>], watch: &Watch<'_>) -> Result<(), Cancelled> {
         let inside = parallel::map(self.leaves.len() - first, |i| {
+            if !watch.steps(16) {
+                return 0;
+            }
             let (brick, part) = (&self.leaves[first + i], &parts[first + i]);
             let values = part.as_ref().map_or([0.0; 64], |part| self.values(brick, part));
             (0..64).fold(0, |bits, i| bits | u64::from(values[i] > 0.0) << i)
@@ -250,6 +270,7 @@ impl<P: Part> Bricks<P> {
         for (brick, inside) in self.leaves[first..].iter_mut().zip(inside) {
             brick.inside = inside;
         }
+        watch.pass(0)
     }
 
     fn path(&self, corner: IVec3, level: u8) -> Path {

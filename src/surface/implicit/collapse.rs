@@ -1,5 +1,6 @@
 //! Fewer and longer triangles: vertices go where the surface is straight.
 
+use crate::observer::Watch;
 use glam::Vec3;
 
 /// The most triangles around a vertex.
@@ -90,10 +91,14 @@ impl Patch {
     }
 
     /// Drops what vertices may go.
-    pub(super) fn collapse(&mut self) {
+    pub(super) fn collapse(&mut self, watch: &Watch<'_>) {
         for _ in 0..ROUNDS {
             let mut any = false;
             for vertex in 0..self.vertices.len() {
+                // So many take the time of a block's vertices.
+                if vertex % 64 == 0 && !watch.steps(1) {
+                    return;
+                }
                 let Vertex { waits, kind, .. } = &mut self.vertices[vertex];
                 if std::mem::take(waits) && matches!(kind, Kind::Unknown | Kind::Free) {
                     any |= self.drop(vertex as u32);

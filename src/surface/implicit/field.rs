@@ -63,6 +63,8 @@ pub(crate) struct Field {
     detail: f32,
     /// What 32-bit floats leave open of a point's place, metres.
     slack: f32,
+    /// Where the primitives' origin is: 0 unless the tree is drawn far from the origin.
+    origin: Vec3,
 }
 
 /// The primitives of a field that are felt in a cube.
@@ -112,7 +114,14 @@ impl Field {
                 add(pair[0], pair[1], radius(start), number);
             }
         }
-        Ok(Self { segments, blend, detail, slack })
+        Ok(Self { segments, blend, detail, slack, origin: Vec3::ZERO })
+    }
+
+    /// The same tree, its own origin elsewhere.
+    #[cfg_attr(not(feature = "preview"), allow(dead_code, reason = "only rays ask"))]
+    pub(crate) fn moved_to(mut self, origin: Vec3) -> Self {
+        self.origin = origin;
+        self
     }
 
     /// A primitive's value from the distance in radii.
@@ -175,13 +184,15 @@ impl<'a> Solid for &'a Field {
     type Part = Felt<'a>;
 
     fn bounds(&self) -> Bounds {
-        self.segments.iter().fold(Bounds::EMPTY, |bounds, segment| {
+        let bounds = self.segments.iter().fold(Bounds::EMPTY, |bounds, segment| {
             let reach = Vec3::splat(segment.thickest() * (1.0 + self.blend) + self.slack);
             segment.ends().into_iter().fold(bounds, |bounds, end| bounds.union(Bounds::around(end, reach)))
-        })
+        });
+        bounds.translated(self.origin)
     }
 
     fn part(&self, of: Option<&Felt<'a>>, cube: Bounds) -> Coverage<Felt<'a>> {
+        let cube = Bounds::new(cube.min - self.origin, cube.max - self.origin);
         match of {
             Some(part) => self.felt(part.near.iter().copied(), cube),
             None => self.felt(0..self.segments.len() as u32, cube),
@@ -191,6 +202,7 @@ impl<'a> Solid for &'a Field {
 
 impl Part for Felt<'_> {
     fn value(&self, point: Vec3) -> f32 {
+        let point = point - self.field.origin;
         let (mut sum, mut best, mut branch) = (0.0, 0.0f32, u32::MAX);
         for &number in &self.near {
             let segment = &self.field.segments[number as usize];
@@ -205,6 +217,7 @@ impl Part for Felt<'_> {
     }
 
     fn gradient(&self, point: Vec3) -> (f32, Vec3) {
+        let point = point - self.field.origin;
         // Of the whole field, and of the branch at hand.
         let (mut sum, mut slope) = (0.0, Vec3::ZERO);
         let (mut best, mut branch) = ((0.0, Vec3::ZERO), u32::MAX);
@@ -233,6 +246,7 @@ impl Part for Felt<'_> {
     }
 
     fn sample(&self, start: Vec3, step: f32) -> [f32; 64] {
+        let start = start - self.field.origin;
         let (mut sum, mut best) = ([0.0f32; 64], [0.0f32; 64]);
         let mut branch = u32::MAX;
         for &number in &self.near {
@@ -260,6 +274,7 @@ impl Part for Felt<'_> {
     }
 
     fn span(&self, passage: &Passage) -> Option<Span> {
+        let passage = &Passage { origin: passage.origin - self.field.origin, ..*passage };
         hull(self.near.iter().map(|&number| {
             let segment = &self.field.segments[number as usize];
             let reach = segment.thickest() * (1.0 + self.field.blend);
@@ -273,6 +288,10 @@ impl Part for Felt<'_> {
 
     fn detail(&self) -> f32 {
         self.detail
+    }
+
+    fn count(&self) -> usize {
+        self.near.len()
     }
 
     fn lipschitz(&self) -> f32 {

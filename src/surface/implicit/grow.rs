@@ -1,8 +1,9 @@
 //! Growth of the octree: cubes are split until they are empty or fine enough.
 
 use super::brick::{Brick, Bricks, Node, Packed, octant};
-use super::solid::{Coverage, Part, Solid};
+use super::solid::{CROWD, Coverage, Part, Solid};
 use crate::Bounds;
+use crate::observer::{Cancelled, Watch};
 use crate::parallel;
 use glam::{IVec3, Vec3};
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -23,6 +24,8 @@ pub(super) struct Grid {
     pub(super) origin: Vec3,
     /// The side of the finest, metres.
     pub(super) voxel: f32,
+    /// The least number of them in the detail of a place.
+    pub(super) per_detail: f32,
 }
 
 /// A cube of the octree still to be looked at.
@@ -40,6 +43,8 @@ struct Grown<P> {
     nodes: Vec<Packed>,
     leaves: Vec<Brick>,
     parts: Vec<P>,
+    /// What many primitives add to the number of blocks.
+    crowd: usize,
     /// Results for the cubes' own nodes.
     roots: Vec<(u32, Packed)>,
     /// Cubes that were split.
@@ -47,6 +52,17 @@ struct Grown<P> {
     /// Cubes not yet looked at, and what counts there.
     rest: Vec<Cube>,
     of: Vec<P>,
+}
+
+/// What cubes are looked at with.
+struct Setting<'a, S> {
+    solid: &'a S,
+    /// Whether to look at what is below a cube at once.
+    deep: bool,
+    watch: &'a Watch<'a>,
+    /// The greatest number of blocks, and how many there are.
+    most: usize,
+    count: &'a AtomicUsize,
 }
 
 /// Result of one look at a cube.
@@ -67,27 +83,28 @@ impl<P: Part> Bricks<P> {
         mut cubes: Vec<Cube>,
         mut of: Vec<P>,
         parts: &mut Vec<Option<P>>,
-    ) -> Option<Vec<(IVec3, u8)>> {
+        watch: &Watch<'_>,
+    ) -> Result<Option<Vec<(IVec3, u8)>>, Cancelled> {
         let mut split = Vec::new();
         // Whoever finds that there are too many, the sum says so.
-        let count = AtomicUsize::new(self.leaves.len());
+        let count = AtomicUsize::new(self.leaves.len() + self.crowd);
         while !cubes.is_empty() {
             let deep = cubes.len() >= MANY;
             let grown = parallel::map(cubes.len().div_ceil(GROUP), |group| {
                 let mut grown = Grown::default();
                 for cube in &cubes[group * GROUP..cubes.len().min((group + 1) * GROUP)] {
-                    let before = grown.leaves.len();
-                    if count.load(Ordering::Relaxed) <= most {
-                        let root = self.grid.below(solid, cube, of.get(cube.of), deep, &mut grown);
+                    if count.load(Ordering::Relaxed) <= most && watch.goes_on() {
+                        let setting = Setting { solid, deep, watch, most, count: &count };
+                        let root = self.grid.below(&setting, cube, of.get(cube.of), &mut grown);
                         grown.roots.push((cube.node, root));
                     }
-                    count.fetch_add(grown.leaves.len() - before, Ordering::Relaxed);
                 }
                 grown
             });
             (cubes, of) = (Vec::new(), Vec::new());
+            watch.pass(0)?;
             if count.load(Ordering::Relaxed) > most {
-                return None;
+                return Ok(None);
             }
             for grown in grown {
                 let (nodes, leaves) = (self.nodes.len() as u32, self.leaves.len() as u32);
@@ -97,7 +114,7 @@ impl<P: Part> Bricks<P> {
                     Node::Empty(_) => node,
                 };
                 if self.nodes.len() + grown.nodes.len() >= Packed::MOST {
-                    return None;
+                    return Ok(None);
                 }
                 self.nodes.extend(grown.nodes.into_iter().map(moved));
                 for (node, root) in grown.roots {
@@ -106,12 +123,13 @@ impl<P: Part> Bricks<P> {
                 let moved = |cube: Cube| Cube { node: cube.node + nodes, of: cube.of + of.len(), ..cube };
                 cubes.extend(grown.rest.into_iter().map(moved));
                 of.extend(grown.of);
+                self.crowd += grown.crowd;
                 self.leaves.extend(grown.leaves);
                 parts.extend(grown.parts.into_iter().map(Some));
                 split.extend(grown.split);
             }
         }
-        Some(split)
+        Ok(Some(split))
     }
 }
 
@@ -128,16 +146,21 @@ impl Grid {
     /// Looks at a cube and, if it goes deep, at what is below it.
     fn below<P: Part>(
         &self,
-        solid: &impl Solid<Part = P>,
+        setting: &Setting<'_, impl Solid<Part = P>>,
         cube: &Cube,
         of: Option<&P>,
-        deep: bool,
         grown: &mut Grown<P>,
     ) -> Packed {
         let &Cube { corner, level, .. } = cube;
-        let node = match self.look(solid, cube, of) {
+        if !setting.watch.steps(1) || setting.count.load(Ordering::Relaxed) > setting.most {
+            return Node::Empty(false).into();
+        }
+        let node = match self.look(setting.solid, cube, of) {
             Look::Empty(inside) => Node::Empty(inside),
             Look::Brick(part) => {
+                let crowd = part.count() / CROWD;
+                grown.crowd += crowd;
+                setting.count.fetch_add(1 + crowd, Ordering::Relaxed);
                 grown.leaves.push(Brick { corner, level, inside: 0 });
                 grown.parts.push(part);
                 Node::Brick(grown.leaves.len() as u32 - 1)
@@ -147,9 +170,9 @@ impl Grid {
                 grown.nodes.extend([Packed::from(Node::Empty(false)); 8]);
                 grown.split.push((corner, level));
                 let children = cube.children(first, grown.of.len());
-                if deep {
+                if setting.deep {
                     for cube in children {
-                        let node = self.below(solid, &cube, Some(&part), deep, grown);
+                        let node = self.below(setting, &cube, Some(&part), grown);
                         grown.nodes[cube.node as usize] = node;
                     }
                 } else {
@@ -176,7 +199,11 @@ impl Grid {
         if value.abs() > part.lipschitz() * bounds.size().length() * 0.5 {
             return Look::Empty(value > 0.0);
         }
-        if cube.level > 0 && step > part.detail() { Look::Split(part) } else { Look::Brick(part) }
+        if cube.level > 0 && step * self.per_detail > part.detail() {
+            Look::Split(part)
+        } else {
+            Look::Brick(part)
+        }
     }
 }
 
@@ -197,6 +224,7 @@ impl<P> Default for Grown<P> {
             nodes: Vec::new(),
             leaves: Vec::new(),
             parts: Vec::new(),
+            crowd: 0,
             roots: Vec::new(),
             split: Vec::new(),
             rest: Vec::new(),

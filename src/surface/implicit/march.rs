@@ -6,6 +6,7 @@ use super::collapse::{Patch, Vertex};
 use super::crossed::{Crossed, bits};
 use super::solid::Part;
 use super::vertex::Crossings;
+use crate::observer::{Cancelled, Watch};
 use crate::parallel;
 use crate::surface::{Mesh, SurfaceError};
 use glam::{IVec3, Vec3};
@@ -226,12 +227,23 @@ const LOWER: [usize; 12] = {
 };
 
 /// The surface between the voxels of blocks.
-pub(super) fn march<P: Part>(mut bricks: Bricks<P>, finish: Finish) -> Result<Mesh, SurfaceError> {
+pub(super) fn march<P: Part>(
+    mut bricks: Bricks<P>,
+    finish: Finish,
+    watch: &Watch<'_>,
+) -> Result<Mesh, SurfaceError> {
     let count = bricks.leaves.len();
-    let mut crossed = parallel::map(count, |number| Crossed::new(&bricks, &bricks.leaves[number]));
+    let mut crossed = parallel::map(count, |number| {
+        // A block's edges are soon found beside its vertices.
+        if number % 64 == 0 {
+            watch.steps(1);
+        }
+        Crossed::new(&bricks, &bricks.leaves[number])
+    });
+    watch.pass(0)?;
     let vertices = crossed.iter().map(|crossed| crossed.count() as usize).sum();
     if vertices > u32::MAX as usize {
-        return Err(SurfaceError::TooLarge { vertices });
+        return Err(SurfaceError::TooLarge { vertices, most: u32::MAX as usize });
     }
     let mut first = 0;
     for crossed in &mut crossed {
@@ -239,7 +251,7 @@ pub(super) fn march<P: Part>(mut bricks: Bricks<P>, finish: Finish) -> Result<Me
         first += crossed.count();
     }
     if let Finish::Longer(error) = finish {
-        return Ok(longer(&bricks, &crossed, vertices, error));
+        return Ok(longer(&bricks, &crossed, vertices, error, watch)?);
     }
     let mut mesh = Mesh::default();
     mesh.positions.reserve_exact(vertices);
@@ -251,7 +263,7 @@ pub(super) fn march<P: Part>(mut bricks: Bricks<P>, finish: Finish) -> Result<Me
         (GROUP, HELD),
         |blocks| {
             let mut part = Mesh::default();
-            each_vertex(&bricks, &crossed, blocks, |_, position, normal, solid| {
+            each_vertex(&bricks, &crossed, blocks, watch, |_, position, normal, solid| {
                 part.positions.push(position);
                 part.normals.push(normal);
                 part.colors.extend(colored.then(|| solid.color(position)));
@@ -264,17 +276,25 @@ pub(super) fn march<P: Part>(mut bricks: Bricks<P>, finish: Finish) -> Result<Me
             mesh.colors.extend(part.colors);
         },
     );
+    watch.pass(0)?;
     // What triangles do not need goes before they come.
     bricks.parts = Vec::new();
     // Closed surfaces have two triangles a vertex, less four a body and plus four a handle, of which there are few.
     mesh.indices.reserve_exact(6 * vertices + vertices / 32);
-    let triangles = |blocks| triangles(&bricks, &crossed, blocks);
+    let triangles = |blocks| triangles(&bricks, &crossed, blocks, watch);
     in_groups(count, (GROUP, HELD), triangles, |part| mesh.indices.extend(part.into_flattened()));
+    watch.pass(0)?;
     Ok(mesh)
 }
 
 /// The surface with longer triangles.
-fn longer<P: Part>(bricks: &Bricks<P>, crossed: &[Crossed], vertices: usize, error: f32) -> Mesh {
+fn longer<P: Part>(
+    bricks: &Bricks<P>,
+    crossed: &[Crossed],
+    vertices: usize,
+    error: f32,
+    watch: &Watch<'_>,
+) -> Result<Mesh, Cancelled> {
     let mut mesh = Mesh::default();
     // Which vertices are left, 64 in each word.
     let mut left = vec![0u64; vertices.div_ceil(64)];
@@ -284,14 +304,17 @@ fn longer<P: Part>(bricks: &Bricks<P>, crossed: &[Crossed], vertices: usize, err
         |blocks| {
             let first = crossed[blocks.start].first();
             let mut vertices = Vec::new();
-            each_vertex(bricks, crossed, blocks.clone(), |brick, position, normal, _| {
+            each_vertex(bricks, crossed, blocks.clone(), watch, |brick, position, normal, _| {
                 vertices.push(Vertex::new(position, normal, error * bricks.step(brick.level)));
             });
-            let mut triangles = triangles(bricks, crossed, blocks);
+            let mut triangles = triangles(bricks, crossed, blocks, watch);
+            if !watch.goes_on() {
+                return (Vec::new(), Vec::new());
+            }
             // Vertices of other patches are those beyond all, before or after.
             triangles.as_flattened_mut().iter_mut().for_each(|vertex| *vertex = vertex.wrapping_sub(first));
             let mut patch = Patch::new(vertices, triangles);
-            patch.collapse();
+            patch.collapse(watch);
             let (vertices, triangles) = patch.rest();
             let indices: Vec<_> = triangles.flatten().map(|vertex| vertex.wrapping_add(first)).collect();
             (vertices.map(|(number, vertex)| (first + number, vertex)).collect::<Vec<_>>(), indices)
@@ -307,6 +330,7 @@ fn longer<P: Part>(bricks: &Bricks<P>, crossed: &[Crossed], vertices: usize, err
             }
         },
     );
+    watch.pass(0)?;
     let mut count = 0;
     let before = left.iter().map(|word| {
         count += word.count_ones();
@@ -323,7 +347,7 @@ fn longer<P: Part>(bricks: &Bricks<P>, crossed: &[Crossed], vertices: usize, err
     mesh.positions.shrink_to_fit();
     mesh.normals.shrink_to_fit();
     mesh.indices.shrink_to_fit();
-    mesh
+    Ok(mesh)
 }
 
 /// Adds to what may become most of the memory: room for an eighth more is enough each time.
@@ -339,9 +363,13 @@ fn each_vertex<P: Part>(
     bricks: &Bricks<P>,
     crossed: &[Crossed],
     blocks: Range<usize>,
+    watch: &Watch<'_>,
     mut add: impl FnMut(&Brick, Vec3, Vec3, &P),
 ) {
     for number in blocks.filter(|&number| crossed[number].count() > 0) {
+        if !watch.steps(1) {
+            return;
+        }
         let crossings = Crossings::new(bricks, number as u32);
         for (direction, cell) in crossed[number].edges() {
             let (position, normal, part) = crossings.vertex(direction, cell);
@@ -351,10 +379,19 @@ fn each_vertex<P: Part>(
 }
 
 /// The triangles of some blocks.
-fn triangles<P: Part>(bricks: &Bricks<P>, crossed: &[Crossed], blocks: Range<usize>) -> Vec<[u32; 3]> {
+fn triangles<P: Part>(
+    bricks: &Bricks<P>,
+    crossed: &[Crossed],
+    blocks: Range<usize>,
+    watch: &Watch<'_>,
+) -> Vec<[u32; 3]> {
     let cases = &CASES[..];
     let mut triangles = Vec::new();
     for number in blocks {
+        // Eight of them take the time of a block's vertices.
+        if number % 8 == 0 && !watch.steps(1) {
+            break;
+        }
         Surroundings::new(bricks, number as u32).triangles(cases, crossed, &mut triangles);
     }
     triangles

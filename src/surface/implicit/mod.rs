@@ -15,7 +15,8 @@ mod vertex;
 
 pub use polygonizer::Polygonizer;
 
-use super::{Mesh, SurfaceError, Sway};
+use super::{Mesh, SurfaceError, Sway, far};
+use crate::observer::{Observer, Silent, Watch, Work, report};
 use crate::{ParameterError, Skeleton};
 use brick::Bricks;
 use field::Field;
@@ -43,6 +44,9 @@ use solid::Solid;
 /// **Voxels** are as fine as the branches near: an octree of blocks of 4 · 4 · 4 voxels follows them, and neither empty space
 /// nor the inside of limbs is ever looked at. Marching cubes run on the dual of that octree. A branch thinner
 /// than the finest voxel is thickened to its radius, internodes without length are balls, and so is a root alone.
+///
+/// **Far from the origin** a tree has the surface that it has at the origin, with vertices rounded to what 32-bit floats have there:
+/// 1 mm at 10 km. Where that turns over or flattens more than 2% of the surface there is an error.
 ///
 /// Time and memory grow with the voxels at the surface: 48 bytes a vertex for the mesh and about 10 on the way to it, times
 /// the primitives felt at one place. Where that is too much, [longer triangles](Self::with_error) take a fifth of it, and
@@ -88,8 +92,8 @@ impl Default for Implicit {
 }
 
 impl Implicit {
-    /// The side of the finest voxels, metres, at least 1/32768 of the greatest coordinate, for 32-bit floats to tell
-    /// triangles' corners apart; default the thinnest radius above zero over the [detail](Self::with_detail), or that
+    /// The side of the finest voxels, metres, at least 1/32768 of how far the tree reaches from its root, or from the origin if
+    /// that is near, for 32-bit floats to tell triangles' corners apart; default the thinnest radius above zero over the [detail](Self::with_detail), or that
     /// limit. Branches thinner than this times the detail are thickened to it.
     pub fn with_voxel(mut self, side: f32) -> Self {
         self.voxel = Some(side);
@@ -118,7 +122,8 @@ impl Implicit {
         self
     }
 
-    /// The greatest number of blocks, 1 to 100 million; default two million, which take about 1.2 GB, the mesh included.
+    /// The greatest number of blocks, 1 to 100 million; default two million, which take about 1.2 GB, the mesh included. A
+    /// block in which many primitives are felt counts once more for every 32 of them, as where thousands of branches meet.
     pub fn with_most_blocks(mut self, blocks: usize) -> Self {
         self.most_blocks = blocks;
         self
@@ -135,14 +140,29 @@ impl Implicit {
     ///
     /// # Errors
     /// An option out of its range; radii that are all zero; more blocks than were allowed, or more vertices
-    /// than 32-bit indices can name; a node more than a million kilometres out or thick.
+    /// than 32-bit indices can name; a node more than a million kilometres out or thick; a tree so far out that floats cannot
+    /// tell its vertices apart, [`SurfaceError::Shapeless`].
     pub fn mesh(&self, skeleton: &Skeleton) -> Result<Mesh, SurfaceError> {
+        self.mesh_observed(skeleton, &Silent)
+    }
+
+    /// As [`mesh`](Self::mesh), telling `observer` how far it is and stopping when told to.
+    ///
+    /// # Errors
+    /// As [`mesh`](Self::mesh), and [`SurfaceError::Cancelled`].
+    pub fn mesh_observed(&self, skeleton: &Skeleton, observer: &dyn Observer) -> Result<Mesh, SurfaceError> {
+        let offset = far::offset_of(skeleton);
+        let skeleton = &*far::near(skeleton, offset);
         let (field, voxel) = self.field(skeleton)?;
         let finish = if self.error > 0.0 { Finish::Longer(self.error) } else { Finish::Plain };
-        let mut mesh = polygonize(&&field, voxel, self.most_blocks, finish)?;
+        let voxels = Voxels { side: voxel, per_detail: 1.0, most_blocks: self.most_blocks };
+        let mut mesh = polygonize(&&field, &voxels, finish, observer)?;
         if self.wind {
-            Sway::of(skeleton)?.clothe(&mut mesh);
+            let watch = Watch::part(observer, Work::Surface, 0.9..1.0, mesh.positions.len(), 8192);
+            Sway::of(skeleton)?.clothe_watched(&mut mesh, &watch)?;
         }
+        let mesh = far::back_closed(mesh, offset)?;
+        report(observer, Work::Surface, 1.0)?;
         Ok(mesh)
     }
 
@@ -159,6 +179,13 @@ impl Implicit {
         let range = format!("at least {finest} m, 1/32768 of the tree's reach, and finite");
         ParameterError::unless(voxel >= finest && voxel.is_finite(), "Implicit.voxel", voxel, &range)?;
         Ok((Field::new(skeleton, voxel * self.detail, self.blend, self.detail)?, voxel))
+    }
+
+    /// The field of a tree wherever it is, not to be polygonized.
+    #[cfg_attr(not(feature = "preview"), allow(dead_code, reason = "only rays ask"))]
+    pub(crate) fn field_there(&self, skeleton: &Skeleton) -> Result<Field, SurfaceError> {
+        let offset = far::offset_of(skeleton);
+        Ok(self.field(&far::near(skeleton, offset))?.0.moved_to(offset))
     }
 
     fn check(&self) -> Result<(), ParameterError> {
@@ -180,14 +207,32 @@ impl Implicit {
     }
 }
 
-/// The closed surface of a solid, on voxels of `voxel` metres times powers of two, in at most so many blocks.
+/// How fine a solid is to be seen.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Voxels {
+    /// The side of the finest, metres; others are as long times a power of two.
+    pub(crate) side: f32,
+    /// The least number in the [detail](solid::Part::detail) of a place; infinite if all are to be the finest.
+    pub(crate) per_detail: f32,
+    /// The greatest number of blocks of them.
+    pub(crate) most_blocks: usize,
+}
+
+/// Cubes looked at from one report to the next, and blocks in the making.
+const GROWING: usize = 1024;
+const MARCHING: usize = 64;
+
+/// The closed surface of a solid.
 pub(crate) fn polygonize(
     solid: &impl Solid,
-    voxel: f32,
-    most_blocks: usize,
+    voxels: &Voxels,
     finish: Finish,
+    observer: &dyn Observer,
 ) -> Result<Mesh, SurfaceError> {
-    march::march(Bricks::new(solid, voxel, most_blocks)?, finish)
+    let watch = Watch::part(observer, Work::Surface, 0.0..0.3, 1 << 17, GROWING);
+    let bricks = Bricks::new(solid, voxels, &watch)?;
+    let watch = Watch::part(observer, Work::Surface, 0.3..0.9, bricks.leaves.len(), MARCHING);
+    march::march(bricks, finish, &watch)
 }
 
 #[cfg(test)]

@@ -30,6 +30,9 @@ pub(crate) enum Coverage<P> {
     Crossed(P),
 }
 
+/// So many primitives or operators are as much work as a cube of their own.
+pub(crate) const CROWD: usize = 32;
+
 /// Part of a [`Solid`] that counts within a cube: there its values and gradients are the whole's, to the bit.
 pub(crate) trait Part: Send + Sync {
     /// The value at a point of the cube.
@@ -58,6 +61,11 @@ pub(crate) trait Part: Send + Sync {
 
     /// The longest voxel, in metres, that shows the finest feature within the cube.
     fn detail(&self) -> f32;
+
+    /// The number of primitives and operators that count: time and memory of a cube grow with it.
+    fn count(&self) -> usize {
+        1
+    }
 
     /// No value within the cube changes by more than this a metre.
     fn lipschitz(&self) -> f32;

@@ -2,11 +2,21 @@
 
 use super::solid::{Coverage, Part, Solid};
 use super::tests::{euler, volume};
-use super::{Finish, polygonize};
+use super::{Finish, Voxels};
 use crate::surface::{Mesh, SurfaceError};
 use crate::{Bounds, math};
 use glam::Vec3;
 use proptest::prelude::*;
+
+/// The surface in voxels as fine as the details.
+pub(super) fn polygonize(
+    solid: &impl Solid,
+    side: f32,
+    most_blocks: usize,
+    finish: Finish,
+) -> Result<Mesh, SurfaceError> {
+    super::polygonize(solid, &Voxels { side, per_detail: 1.0, most_blocks }, finish, &crate::Silent)
+}
 
 /// Solids whose value is the distance from their surface, at least near to it, in metres.
 #[derive(Debug, Clone)]

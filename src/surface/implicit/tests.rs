@@ -1,5 +1,6 @@
 use super::field::Felt;
 use super::solid::{Coverage, Part};
+use super::solid_tests::polygonize;
 use super::*;
 use crate::math;
 use crate::surface::sample::any_skeleton;
@@ -41,6 +42,10 @@ pub(super) fn euler(mesh: &Mesh) -> Result<i64, String> {
 pub(super) fn volume(mesh: &Mesh) -> f64 {
     let corners = mesh.triangles().map(|t| t.map(|index| mesh.positions[index as usize].as_dvec3()));
     corners.map(|[a, b, c]| a.dot(b.cross(c)) / 6.0).sum()
+}
+
+fn silent() -> Watch<'static> {
+    Watch::silent()
 }
 
 fn chain(points: &[Vec3], radius: f32) -> Skeleton {
@@ -171,7 +176,9 @@ fn the_gradient_is_the_differences_and_the_normals() {
 #[test]
 fn blocks_are_as_dense_as_the_whole_field() {
     let (field, voxel) = Implicit::default().field(&fork(0.05, 0.8)).expect("sound");
-    let bricks = Bricks::new(&&field, voxel, 10_000).expect("blocks");
+    let bricks =
+        Bricks::new(&&field, &Voxels { side: voxel, per_detail: 1.0, most_blocks: 10_000 }, &silent())
+            .expect("blocks");
     let all = whole(&field);
     for (number, brick) in bricks.leaves.iter().enumerate() {
         let values = bricks.sample(number);
@@ -211,7 +218,8 @@ fn longer_triangles_are_few_and_near() {
     let (field, voxel) = surface.field(&skeleton).expect("sound");
     let [plain, mesh] =
         [0.0, 0.1].map(|error| surface.clone().with_error(error).mesh(&skeleton).expect("a surface"));
-    assert!(Bricks::new(&&field, voxel, 1_000_000).expect("blocks").leaves.len() > 3 * march::PATCH);
+    let voxels = Voxels { side: voxel, per_detail: 1.0, most_blocks: 1_000_000 };
+    assert!(Bricks::new(&&field, &voxels, &silent()).expect("blocks").leaves.len() > 3 * march::PATCH);
     assert_eq!(euler(&mesh), euler(&plain));
     assert!(
         mesh.positions.len() * 3 < plain.positions.len(),

@@ -395,7 +395,9 @@ fn tubes_keep_a_budget_and_branches_go_one_after_another() {
         let tree = preset.synth(3000).synthesize(1).expect("a tree").relaxed(0.5, 3).expect("sound options");
         let mut finer: Option<(f32, Vec<bool>)> = None;
         for triangles in [20_000, 5_000, 1_000, 200, 40] {
-            let (level, kept) = Tubes::default().within_keeping(&tree, triangles).expect("room for a trunk");
+            let (level, kept) = Tubes::default()
+                .within_keeping(&tree, triangles, &Watch::silent())
+                .expect("room for a trunk");
             assert!(level.mesh.triangles().len() <= triangles);
             level.mesh.check().expect("a sound mesh");
             assert!(kept[0], "the trunk stays");
