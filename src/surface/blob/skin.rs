@@ -2,6 +2,7 @@
 
 use super::error::BlobError;
 use super::field::{FieldFunction, ISO};
+use super::limb::Limb;
 use super::{BARK, BlobTree, BlobTreeBuilder, Bounded, Contact, Curve, Node, Operator, Primitive};
 use crate::skeleton::Branches;
 use crate::{ParameterError, Skeleton};
@@ -11,6 +12,16 @@ use glam::Vec3;
 const FAINTEST: f32 = 0.01;
 /// The least sine of the angle between a lateral and its bearer that is told from 0.
 const LEAST_SINE: f32 = 0.35;
+/// How many of its own radii of the trunk stand in the ground, metres along it for a metre.
+const STANDING: f32 = 3.0;
+/// A trunk base that rises less than this, a metre, lies on the ground.
+const LEAST_RISE: f32 = 0.5;
+/// How much larger than the trunk base a ball is that cuts it off flat: it bends by a hundredth of a radius.
+const FLAT: f32 = 50.0;
+/// How far below its root a trunk is cut off, in radii: so that the root is within.
+const SUNK: f32 = 0.02;
+/// Farther out than this, in metres, no ball is put.
+const FARTHEST: f32 = 1e8;
 /// Greatest fall of fields half a radius wide where bark bulges, times that half.
 const NARROW: f32 = 0.25;
 
@@ -179,9 +190,6 @@ impl Skin {
         let branches = skeleton.branches();
         let mut tailor = Tailor { skin: self, skeleton, age, builder: BlobTreeBuilder::default() };
         let bearers = bearers(skeleton, &branches);
-        // Bearers come first, so backwards laterals are ready before they are needed.
-        let mut done: Vec<Option<Node>> = branches.iter().map(|_| None).collect();
-        let mut borne: Vec<Vec<u32>> = vec![Vec::new(); branches.len()];
         let all: Vec<_> = branches.iter().collect();
         let springs: Vec<Option<Spring>> = all
             .iter()
@@ -190,22 +198,26 @@ impl Skin {
                 bearer.map(|(bearer, place)| tailor.spring(branch.nodes(), all[bearer].nodes(), place))
             })
             .collect();
-        for (number, branch) in all.iter().enumerate().rev() {
-            let mut node = tailor.axis(branch.nodes(), springs[number].as_ref())?;
-            for &lateral in borne[number].iter().rev() {
-                let Some(part) = done[lateral as usize].take() else { continue };
-                let Some(spring) = &springs[lateral as usize] else { continue };
-                node = tailor.fork(node, part, spring)?;
-            }
-            done[number] = Some(node);
-            if let Some((bearer, _)) = bearers[number] {
-                borne[bearer].push(number as u32);
+        let limbs: Vec<Limb> = all
+            .iter()
+            .zip(&springs)
+            .map(|(branch, spring)| tailor.limb(branch.nodes(), spring.as_ref()))
+            .collect::<Result<_, _>>()?;
+        let mut nodes = Vec::with_capacity(limbs.len());
+        for (branch, limb) in all.iter().zip(&limbs) {
+            nodes.push(Some(tailor.axis(branch.nodes(), limb)?));
+        }
+        // Each branch takes up the first parts of its laterals, with which it blends; no branch blends with another.
+        for (number, (bearer, spring)) in bearers.iter().zip(&springs).enumerate() {
+            let (Some((bearer, place)), Some(spring)) = (*bearer, spring) else { continue };
+            let felt = limbs[number].felt_by(&limbs[bearer], place);
+            if let Some(node) = nodes[bearer].take_if(|_| felt > 0) {
+                let lateral = tailor.solid(&limbs[number].cones[..felt])?;
+                nodes[bearer] = Some(tailor.fork(node, lateral, spring)?);
             }
         }
-        match done.first_mut().and_then(Option::take) {
-            Some(root) => tailor.builder.finish(root),
-            None => Err(BlobError::Empty { most: 0.0 }),
-        }
+        let root = tailor.builder.union(nodes.into_iter().flatten())?;
+        tailor.builder.finish(root)
     }
 }
 
@@ -273,17 +285,15 @@ impl Tailor<'_> {
         Spring { foot, first, thick, own, along, out, sine, cosine }
     }
 
-    /// The shoots of an axis, end to end, with a scar between any two; `None` springs from nothing: the trunk.
-    fn axis(&mut self, nodes: &[u32], spring: Option<&Spring>) -> Result<Node, BlobError> {
-        let stage = |i: usize| self.skeleton.stages()[nodes[i] as usize];
+    /// The cone segments of an axis; `None` springs from nothing: the trunk.
+    fn limb(&self, nodes: &[u32], spring: Option<&Spring>) -> Result<Limb, BlobError> {
         // The first node belongs to the bearer, with its radius.
         let own = spring.is_none() && (nodes.len() == 1 || self.radius(nodes[0]) > 0.0);
         let first = if own { nodes[0] } else { nodes[1] };
         let radius = |i: usize| self.radius(if i == 0 { first } else { nodes[i] });
         let ways: Vec<Vec3> =
             nodes.windows(2).map(|pair| self.position(pair[1]) - self.position(pair[0])).collect();
-        let ends: Vec<usize> =
-            (1..nodes.len().saturating_sub(1)).filter(|&i| stage(i) != stage(i + 1)).collect();
+        let ends = self.junctions(nodes);
         let starts = std::iter::once(0).chain(ends.iter().copied());
         let stops = ends.iter().copied().chain([nodes.len() - 1]);
         let tangent = |i: usize| {
@@ -297,7 +307,7 @@ impl Tailor<'_> {
                 spring.filter(|_| i == 0).map(|spring| ways[0] * spring.shift(width, ways[0].length()));
             self.position(nodes[i]) + shift.unwrap_or_default()
         };
-        let mut curves = Vec::with_capacity(ends.len() + 1);
+        let (mut cones, mut shoots) = (Vec::new(), Vec::with_capacity(ends.len() + 1));
         for (start, stop) in starts.zip(stops) {
             let points = (start..=stop).map(place).collect();
             let curve = Curve::new(points, (start..=stop).map(radius).collect())
@@ -305,13 +315,37 @@ impl Tailor<'_> {
                 .with_turn(self.skin.turn)
                 .with_field(FieldFunction::Smooth { width })
                 .with_color(self.skin.bark);
-            curves.push(curve);
+            cones.extend(curve.primitives()?);
+            shoots.push(cones.len());
         }
+        let mut limb = Limb::new(cones, shoots, (0..nodes.len()).map(place));
+        if spring.is_none() && nodes.len() > 1 {
+            limb.stand(STANDING * radius(0));
+        }
+        Ok(limb)
+    }
+
+    /// The places on an axis where one year's shoot ends and the next begins.
+    fn junctions(&self, nodes: &[u32]) -> Vec<usize> {
+        let stage = |i: usize| self.skeleton.stages()[nodes[i] as usize];
+        (1..nodes.len().saturating_sub(1)).filter(|&i| stage(i) != stage(i + 1)).collect()
+    }
+
+    /// The shoots of an axis, end to end, with a scar between any two.
+    fn axis(&mut self, nodes: &[u32], limb: &Limb) -> Result<Node, BlobError> {
+        let ends = self.junctions(nodes);
         let mut joints: Vec<u32> = ends.iter().map(|&i| nodes[i]).collect();
         let mut ages: Vec<f32> = ends.iter().map(|&i| self.age_of(nodes[i + 1])).collect();
-        let mut shoots = Vec::with_capacity(curves.len());
-        for curve in &curves {
-            shoots.push(self.builder.curve(curve)?);
+        let mut shoots = Vec::with_capacity(limb.shoots.len());
+        let mut start = 0;
+        for &stop in &limb.shoots {
+            let ground = limb.standing.clamp(start, stop);
+            let below = &limb.cones[start..ground];
+            let standing = if below.is_empty() { None } else { Some(self.standing(below, limb)?) };
+            let above = &limb.cones[ground..stop];
+            let rest = if above.is_empty() { None } else { Some(self.solid(above)?) };
+            shoots.push(self.builder.union(standing.into_iter().chain(rest))?);
+            start = stop;
         }
         // In pairs, then pairs of pairs, so that boxes stay small.
         while shoots.len() > 1 {
@@ -332,6 +366,33 @@ impl Tailor<'_> {
             ages = (0..count - 1).filter(left).map(|i| ages[i]).collect();
         }
         shoots.pop().ok_or(BlobError::Empty { most: 0.0 })
+    }
+
+    /// The union of cone segments.
+    fn solid(&mut self, cones: &[Primitive]) -> Result<Node, BlobError> {
+        let mut nodes = Vec::with_capacity(cones.len());
+        for &cone in cones {
+            nodes.push(self.builder.add(cone)?);
+        }
+        self.builder.union(nodes)
+    }
+
+    /// The first cones of the trunk, cut off at the ground: by a ball so large that it is flat as far as they reach.
+    fn standing(&mut self, cones: &[Primitive], trunk: &Limb) -> Result<Node, BlobError> {
+        let solid = self.solid(cones)?;
+        let Primitive { ends: [foot, to], radii: [radius, _], .. } = trunk.cones[0];
+        let along = (to - foot).normalize_or(Vec3::Y);
+        // What lies on the ground has its end cut off across.
+        let up = if along.y >= LEAST_RISE { Vec3::Y } else { along };
+        let ball = FLAT * radius;
+        if foot.abs().max_element() + 2.0 * ball > FARTHEST {
+            return Ok(solid);
+        }
+        let ground = Primitive::point(foot + up * (ball - SUNK * radius), ball)
+            .with_field(FieldFunction::Smooth { width: 1.0 / FLAT })
+            .with_color(self.skin.bark);
+        let ground = self.builder.add(ground)?;
+        self.builder.intersection([solid, ground])
     }
 
     /// Two shoots of an axis with a bud scale scar between them.
