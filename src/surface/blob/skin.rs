@@ -2,7 +2,6 @@
 
 use super::error::BlobError;
 use super::field::{FieldFunction, ISO};
-use super::limb::Limb;
 use super::{BARK, BlobTree, BlobTreeBuilder, Bounded, Contact, Curve, Node, Operator, Primitive};
 use crate::skeleton::Branches;
 use crate::{ParameterError, Skeleton};
@@ -12,11 +11,11 @@ use glam::Vec3;
 const FAINTEST: f32 = 0.01;
 /// The least sine of the angle between a lateral and its bearer that is told from 0.
 const LEAST_SINE: f32 = 0.35;
-/// How many of its own radii of the trunk stand in the ground, metres along it for a metre.
+/// How many of its radii of a trunk's base are cut off at the ground.
 const STANDING: f32 = 3.0;
-/// A trunk base that rises less than this, a metre, lies on the ground.
+/// A trunk that rises less than this, a metre, lies on the ground.
 const LEAST_RISE: f32 = 0.5;
-/// How much larger than the trunk base a ball is that cuts it off flat: it bends by a hundredth of a radius.
+/// How much larger than the trunk base the ball is that cuts it off: it bends by a hundredth of a radius.
 const FLAT: f32 = 50.0;
 /// How far below its root a trunk is cut off, in radii: so that the root is within.
 const SUNK: f32 = 0.02;
@@ -190,6 +189,9 @@ impl Skin {
         let branches = skeleton.branches();
         let mut tailor = Tailor { skin: self, skeleton, age, builder: BlobTreeBuilder::default() };
         let bearers = bearers(skeleton, &branches);
+        // Bearers come first, so backwards laterals are ready before they are needed.
+        let mut done: Vec<Option<Node>> = branches.iter().map(|_| None).collect();
+        let mut borne: Vec<Vec<u32>> = vec![Vec::new(); branches.len()];
         let all: Vec<_> = branches.iter().collect();
         let springs: Vec<Option<Spring>> = all
             .iter()
@@ -198,26 +200,22 @@ impl Skin {
                 bearer.map(|(bearer, place)| tailor.spring(branch.nodes(), all[bearer].nodes(), place))
             })
             .collect();
-        let limbs: Vec<Limb> = all
-            .iter()
-            .zip(&springs)
-            .map(|(branch, spring)| tailor.limb(branch.nodes(), spring.as_ref()))
-            .collect::<Result<_, _>>()?;
-        let mut nodes = Vec::with_capacity(limbs.len());
-        for (branch, limb) in all.iter().zip(&limbs) {
-            nodes.push(Some(tailor.axis(branch.nodes(), limb)?));
-        }
-        // Each branch takes up the first parts of its laterals, with which it blends; no branch blends with another.
-        for (number, (bearer, spring)) in bearers.iter().zip(&springs).enumerate() {
-            let (Some((bearer, place)), Some(spring)) = (*bearer, spring) else { continue };
-            let felt = limbs[number].felt_by(&limbs[bearer], place);
-            if let Some(node) = nodes[bearer].take_if(|_| felt > 0) {
-                let lateral = tailor.solid(&limbs[number].cones[..felt])?;
-                nodes[bearer] = Some(tailor.fork(node, lateral, spring)?);
+        for (number, branch) in all.iter().enumerate().rev() {
+            let mut node = tailor.axis(branch.nodes(), springs[number].as_ref())?;
+            for &lateral in borne[number].iter().rev() {
+                let Some(part) = done[lateral as usize].take() else { continue };
+                let Some(spring) = &springs[lateral as usize] else { continue };
+                node = tailor.fork(node, part, spring)?;
+            }
+            done[number] = Some(node);
+            if let Some((bearer, _)) = bearers[number] {
+                borne[bearer].push(number as u32);
             }
         }
-        let root = tailor.builder.union(nodes.into_iter().flatten())?;
-        tailor.builder.finish(root)
+        match done.first_mut().and_then(Option::take) {
+            Some(root) => tailor.builder.finish(root),
+            None => Err(BlobError::Empty { most: 0.0 }),
+        }
     }
 }
 
@@ -285,15 +283,17 @@ impl Tailor<'_> {
         Spring { foot, first, thick, own, along, out, sine, cosine }
     }
 
-    /// The cone segments of an axis; `None` springs from nothing: the trunk.
-    fn limb(&self, nodes: &[u32], spring: Option<&Spring>) -> Result<Limb, BlobError> {
+    /// The shoots of an axis, end to end, with a scar between any two; `None` springs from nothing: the trunk.
+    fn axis(&mut self, nodes: &[u32], spring: Option<&Spring>) -> Result<Node, BlobError> {
+        let stage = |i: usize| self.skeleton.stages()[nodes[i] as usize];
         // The first node belongs to the bearer, with its radius.
         let own = spring.is_none() && (nodes.len() == 1 || self.radius(nodes[0]) > 0.0);
         let first = if own { nodes[0] } else { nodes[1] };
         let radius = |i: usize| self.radius(if i == 0 { first } else { nodes[i] });
         let ways: Vec<Vec3> =
             nodes.windows(2).map(|pair| self.position(pair[1]) - self.position(pair[0])).collect();
-        let ends = self.junctions(nodes);
+        let ends: Vec<usize> =
+            (1..nodes.len().saturating_sub(1)).filter(|&i| stage(i) != stage(i + 1)).collect();
         let starts = std::iter::once(0).chain(ends.iter().copied());
         let stops = ends.iter().copied().chain([nodes.len() - 1]);
         let tangent = |i: usize| {
@@ -307,7 +307,7 @@ impl Tailor<'_> {
                 spring.filter(|_| i == 0).map(|spring| ways[0] * spring.shift(width, ways[0].length()));
             self.position(nodes[i]) + shift.unwrap_or_default()
         };
-        let (mut cones, mut shoots) = (Vec::new(), Vec::with_capacity(ends.len() + 1));
+        let mut curves = Vec::with_capacity(ends.len() + 1);
         for (start, stop) in starts.zip(stops) {
             let points = (start..=stop).map(place).collect();
             let curve = Curve::new(points, (start..=stop).map(radius).collect())
@@ -315,37 +315,19 @@ impl Tailor<'_> {
                 .with_turn(self.skin.turn)
                 .with_field(FieldFunction::Smooth { width })
                 .with_color(self.skin.bark);
-            cones.extend(curve.primitives()?);
-            shoots.push(cones.len());
+            curves.push(curve);
         }
-        let mut limb = Limb::new(cones, shoots, (0..nodes.len()).map(place));
-        if spring.is_none() && nodes.len() > 1 {
-            limb.stand(STANDING * radius(0));
-        }
-        Ok(limb)
-    }
-
-    /// The places on an axis where one year's shoot ends and the next begins.
-    fn junctions(&self, nodes: &[u32]) -> Vec<usize> {
-        let stage = |i: usize| self.skeleton.stages()[nodes[i] as usize];
-        (1..nodes.len().saturating_sub(1)).filter(|&i| stage(i) != stage(i + 1)).collect()
-    }
-
-    /// The shoots of an axis, end to end, with a scar between any two.
-    fn axis(&mut self, nodes: &[u32], limb: &Limb) -> Result<Node, BlobError> {
-        let ends = self.junctions(nodes);
         let mut joints: Vec<u32> = ends.iter().map(|&i| nodes[i]).collect();
         let mut ages: Vec<f32> = ends.iter().map(|&i| self.age_of(nodes[i + 1])).collect();
-        let mut shoots = Vec::with_capacity(limb.shoots.len());
-        let mut start = 0;
-        for &stop in &limb.shoots {
-            let ground = limb.standing.clamp(start, stop);
-            let below = &limb.cones[start..ground];
-            let standing = if below.is_empty() { None } else { Some(self.standing(below, limb)?) };
-            let above = &limb.cones[ground..stop];
-            let rest = if above.is_empty() { None } else { Some(self.solid(above)?) };
-            shoots.push(self.builder.union(standing.into_iter().chain(rest))?);
-            start = stop;
+        let mut shoots = Vec::with_capacity(curves.len());
+        let base = radius(0);
+        let mut standing = if spring.is_none() && nodes.len() > 1 { STANDING * base } else { 0.0 };
+        for curve in &curves {
+            shoots.push(if standing > 0.0 {
+                self.standing(curve, [self.position(nodes[0]), ways[0]], base, &mut standing)?
+            } else {
+                self.builder.curve(curve)?
+            });
         }
         // In pairs, then pairs of pairs, so that boxes stay small.
         while shoots.len() > 1 {
@@ -368,31 +350,46 @@ impl Tailor<'_> {
         shoots.pop().ok_or(BlobError::Empty { most: 0.0 })
     }
 
-    /// The union of cone segments.
-    fn solid(&mut self, cones: &[Primitive]) -> Result<Node, BlobError> {
-        let mut nodes = Vec::with_capacity(cones.len());
-        for &cone in cones {
-            nodes.push(self.builder.add(cone)?);
+    /// A shoot of the trunk, of which the first so many metres stand in the ground: they are cut off there, by a ball so large that
+    /// it is flat as far as they reach. Takes off from `metres` what stands.
+    fn standing(
+        &mut self,
+        curve: &Curve,
+        [foot, way]: [Vec3; 2],
+        radius: f32,
+        metres: &mut f32,
+    ) -> Result<Node, BlobError> {
+        let (mut below, mut above) = (Vec::new(), Vec::new());
+        for cone in curve.primitives()? {
+            let part = *metres / cone.length();
+            let [low, high] = if part < 1.0 { cone.halves(part) } else { [cone; 2] };
+            if *metres > 0.0 {
+                below.push(self.builder.add(low)?);
+            }
+            if part < 1.0 {
+                above.push(self.builder.add(high)?);
+            }
+            *metres = (*metres - cone.length()).max(0.0);
         }
-        self.builder.union(nodes)
-    }
-
-    /// The first cones of the trunk, cut off at the ground: by a ball so large that it is flat as far as they reach.
-    fn standing(&mut self, cones: &[Primitive], trunk: &Limb) -> Result<Node, BlobError> {
-        let solid = self.solid(cones)?;
-        let Primitive { ends: [foot, to], radii: [radius, _], .. } = trunk.cones[0];
-        let along = (to - foot).normalize_or(Vec3::Y);
+        let (ball, along) = (FLAT * radius, way.normalize_or(Vec3::Y));
         // What lies on the ground has its end cut off across.
         let up = if along.y >= LEAST_RISE { Vec3::Y } else { along };
-        let ball = FLAT * radius;
-        if foot.abs().max_element() + 2.0 * ball > FARTHEST {
-            return Ok(solid);
+        let mut parts = Vec::new();
+        if !below.is_empty() {
+            let mut solid = self.builder.union(below)?;
+            if foot.abs().max_element() + 2.0 * ball <= FARTHEST {
+                let ground = Primitive::point(foot + up * (ball - SUNK * radius), ball)
+                    .with_field(FieldFunction::Smooth { width: 1.0 / FLAT })
+                    .with_color(self.skin.bark);
+                let ground = self.builder.add(ground)?;
+                solid = self.builder.intersection([solid, ground])?;
+            }
+            parts.push(solid);
         }
-        let ground = Primitive::point(foot + up * (ball - SUNK * radius), ball)
-            .with_field(FieldFunction::Smooth { width: 1.0 / FLAT })
-            .with_color(self.skin.bark);
-        let ground = self.builder.add(ground)?;
-        self.builder.intersection([solid, ground])
+        if !above.is_empty() {
+            parts.push(self.builder.union(above)?);
+        }
+        self.builder.union(parts)
     }
 
     /// Two shoots of an axis with a bud scale scar between them.
@@ -414,7 +411,7 @@ impl Tailor<'_> {
     fn fork(&mut self, bearer: Node, lateral: Node, spring: &Spring) -> Result<Node, BlobError> {
         let skin = self.skin;
         if skin.ridges < FAINTEST {
-            return self.builder.sum([bearer, lateral]);
+            return self.builder.fork([bearer, lateral], Bounded::new(Operator::Sum, Operator::Sum), None);
         }
         let &Spring { foot, first, thick, own, along, out, sine, cosine } = spring;
         // Where the lateral's axis and its upper side leave the bearer.
@@ -428,7 +425,7 @@ impl Tailor<'_> {
             .with_strength(skin.ridges);
         let field = self.builder.add(bounding)?;
         let style = Bounded::new(self.pressed(), Operator::Sum).with_color(skin.mark);
-        self.builder.bounded([bearer, lateral], style, field)
+        self.builder.fork([bearer, lateral], style, Some(field))
     }
 
     /// Direction in which an axis goes on at its i-th node, or comes from at its tip.

@@ -1,9 +1,9 @@
 //! Branches that only pass each other are not bridged.
 
 use std::collections::BTreeMap;
-use treesynth::Skeleton;
 use treesynth::glam::Vec3;
-use treesynth::surface::blob::BlobTree;
+use treesynth::surface::blob::{BlobTree, Skin};
+use treesynth::{Skeleton, presets};
 
 /// How far apart two branches have to be, in the sum of their radii, to be called apart; and as far around a third one's
 /// axis, in its radii, is its own wood.
@@ -133,4 +133,46 @@ pub(crate) fn bridged(skeleton: &Skeleton, skin: &BlobTree) -> [usize; 2] {
     };
     let count = pairs.iter().filter(|(key, (_, pair))| is_bridged(key, *pair)).count();
     [pairs.len(), count]
+}
+
+/// Each kind of tree that grows, at three ages; what grows in a plane does not pass.
+#[test]
+fn branches_that_only_pass_each_other_are_not_bridged() {
+    let [mut apart, mut most] = [0, 0.0f32];
+    for preset in presets::grown().filter(|preset| !preset.planar) {
+        for (seed, age) in [(1, 4.6), (2, 8.6), (3, 12.6)] {
+            let stand = preset.grow(seed).expect("a species").at(age).expect("an age");
+            let skin = Skin::default().with_age(age + 1.0).blob_tree(&stand.skeleton).expect("a skin");
+            let [pairs, bridges] = bridged(&stand.skeleton, &skin);
+            apart += pairs;
+            most = most.max(bridges as f32 / (pairs as f32 + 100.0));
+            assert!(bridges * 1000 <= pairs + 999, "{} {age}: {bridges} of {pairs}", preset.name);
+        }
+    }
+    assert!(apart > 1000, "{apart} {most}");
+}
+
+/// Two laterals of one bearer, and two of a lateral's laterals, side by side.
+#[test]
+fn what_stands_side_by_side_meets_without_a_bridge() {
+    let at = |x: f32, y: f32, z: f32| Vec3::new(x, y, z);
+    // A trunk, and two limbs from it that go in parallel, a third of a radius of air between them.
+    let places = vec![
+        at(0.0, 0.0, 0.0),
+        at(0.0, 1.0, 0.0),
+        at(0.0, 1.1165, 0.0),
+        at(0.0, 2.0, 0.0),
+        at(1.0, 1.0, 0.0),
+        at(1.0, 1.1165, 0.0),
+    ];
+    let parents = vec![None, Some(0), Some(1), Some(2), Some(1), Some(2)];
+    let radii = vec![0.1, 0.1, 0.1, 0.1, 0.05, 0.05];
+    let tree = Skeleton::new(places, parents).and_then(|tree| tree.with_radii(radii)).expect("a tree");
+    let skin = Skin::default().blob_tree(&tree).expect("a skin");
+    for x in [0.3, 0.5, 0.9] {
+        let between = skin.value(at(x, 1.058, 0.0));
+        assert!(between < -0.01 && between > -0.5, "{between} at {x}");
+    }
+    // On the bearer both still blend.
+    assert!(skin.value(at(0.09, 1.0, 0.062)) > skin.value(at(0.09, 0.7, 0.062)));
 }
