@@ -59,22 +59,25 @@ fn operators() -> impl Strategy<Value = Operator> {
     ]
 }
 
-fn acts() -> impl Strategy<Value = Act> {
+fn boundings() -> impl Strategy<Value = Primitive> {
     let bounding = (places(), 0.3f32..1.0, 0.0f32..1.0, 0.0f32..0.8);
-    let bounding = bounding.prop_map(|(at, radius, strength, inner)| {
+    bounding.prop_map(|(at, radius, strength, inner)| {
         Primitive::point(at, radius).with_field(FieldFunction::Bounding { inner }).with_strength(strength)
-    });
+    })
+}
+
+fn acts() -> impl Strategy<Value = Act> {
+    let bounding = boundings();
     let contact = (0.1f32..0.5, 0.0f32..3.0)
         .prop_map(|(reach, bulge)| Contact::default().with_reach(reach).with_bulge(bulge));
     let style = (operators(), operators()).prop_map(|(inside, outside)| Bounded::new(inside, outside));
-    let bounding_again = bounding.clone();
     prop_oneof![
         6 => primitives().prop_map(Act::Add),
         1 => ([places(), places(), places()], 0.1f32..0.3).prop_map(|(points, radius)| Act::Curve(points, radius)),
         3 => (operators(), 1usize..8).prop_map(|(operator, parts)| Act::Combine(operator, parts)),
         2 => (style, bounding, 1usize..5).prop_map(|(style, at, parts)| Act::Bounded(style, at, parts)),
         1 => (places(), places()).prop_map(|(turn, scale)| Act::Warp(turn, scale)),
-        3 => (any::<[bool; 3]>(), contact, bounding_again).prop_map(|(what, contact, at)| Act::Fork(what, contact, at)),
+        3 => (any::<[bool; 3]>(), contact, boundings()).prop_map(|(what, contact, at)| Act::Fork(what, contact, at)),
     ]
 }
 
