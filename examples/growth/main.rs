@@ -13,7 +13,7 @@ use options::Options;
 use treesynth::export::gltf::{GlbOptions, write_glb_parts};
 use treesynth::foliage::{Leaf, Leaves};
 use treesynth::growth::{Growth, TreeAtAge};
-use treesynth::presets::{self, Found, Grown};
+use treesynth::presets::Grown;
 use treesynth::preview::{Camera, Picture, Preview, RayCaster};
 use treesynth::surface::{Mesh, Part, Tubes};
 use treesynth::{Bounds, Silent};
@@ -26,12 +26,7 @@ fn main() {
 }
 
 fn run(options: &Options) -> Result<(), Failure> {
-    let preset = match options::species().find(|preset| preset.name.ends_with(&options.species)) {
-        Some(preset) => preset,
-        None => presets::by_name(&options.species)
-            .and_then(Found::grown)
-            .map_err(|error| format!("--species: {error}; see --list"))?,
-    };
+    let preset = options::named(&options.species)?;
     let folder = options.out.join(preset.name);
     let mut outputs = Outputs::new("--out", &options.out)?;
     let growth = preset.grow(options.seed.unwrap_or(preset.seed))?;
@@ -52,7 +47,6 @@ fn run(options: &Options) -> Result<(), Failure> {
         outputs.write(&file(".glb"), |writer| {
             Ok(write_glb_parts(&parts, &GlbOptions::default().with_name(preset.name), writer)?)
         })?;
-        // The foot of a skin is round.
         let preview = Preview::default().with_ground_height(0.0);
         let picture = look.draw(preset, &preview, options.skin)?;
         outputs.write(&file(".png"), |writer| Ok(picture.write_png(writer)?))?;

@@ -3,7 +3,7 @@
 use super::common::{Failure, number, print, text};
 use lexopt::prelude::{Long, Short};
 use std::path::PathBuf;
-use treesynth::presets::{self, Grown};
+use treesynth::presets::{self, Found, Grown};
 
 const HELP: &str = "\
 Grows a tree over the years and writes an animation (NAME.apng) with its frames (NAME/*.png), a contact sheet of several
@@ -11,7 +11,7 @@ ages (NAME-sheet.png), a model of one age (NAME.glb) and its picture (NAME.png).
 
 cargo run --release --example growth -- [OPTIONS]
 
-  --species NAME  one of --list, or what its name ends in      [cottonwood]
+  --species NAME  one of --list, or words that its name ends in, e.g. oak or spreading-oak  [cottonwood]
   --list          the presets, one a line, and nothing else
   --age YEARS     of the model, 0 to as long as the species is grown, e.g. 12.5  [the last of the preset's ages]
   --seed N        the seed, 0 to 18446744073709551615          [the preset's]
@@ -70,6 +70,19 @@ impl Options {
         }
         Ok(Some(options))
     }
+}
+
+/// The preset of that name, or whose name ends in these words; a part of a word is none.
+pub(crate) fn named(words: &str) -> Result<&'static Grown, Failure> {
+    let ends = |name: &str| {
+        let before = name.strip_suffix(words).filter(|_| !words.is_empty());
+        before.is_some_and(|before| before.is_empty() || before.ends_with('-'))
+    };
+    if let Some(preset) = species().find(|preset| ends(preset.name)) {
+        return Ok(preset);
+    }
+    let found = presets::by_name(words).and_then(Found::grown);
+    Ok(found.map_err(|error| format!("--species: {error}; see --list"))?)
 }
 
 /// All but the figures' drawings in the plane, which the example `gallery` draws.

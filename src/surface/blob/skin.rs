@@ -26,13 +26,19 @@ const NARROW: f32 = 0.25;
 
 /// The skin of a whole tree as a [`BlobTree`]: section 3.2 of Galbraith, Mündermann and Wyvill 2004.
 ///
-/// Each year's shoot is a [`Curve`]; the shoots of an axis are joined end to end, and laterals are summed to their bearer, so
-/// that all is smooth: a lateral's field reaches as far as its bearer's, so that the fillet below it is as soft on one as on the
-/// other. Where two years' shoots meet, precise contact takes the place of that within a bounding field: the
+/// Each year's shoot is a [`Curve`]; the shoots of an axis are joined end to end, and a lateral is summed to its parent branch, so
+/// that all is smooth there: a lateral's field reaches as far as its bearer's, so that the fillet below it is as soft on one as on the
+/// other. No other branches are: those that pass each other, and laterals of one bearer, meet as by a
+/// [union](Operator::Union), with a crease and without a bridge. Where two years' shoots meet, precise contact takes the place of
+/// that within a bounding field: the
 /// ring of the bud scale scar, which fades as the junction ages. Where a lateral leaves its bearer there is contact too: around
 /// its whole base at first, the bud scale scar of the lateral; with age the bounding field moves into the axil, where the
 /// contact stays as the branch bark ridge and the rest of the base becomes smooth. Both are darkened as far as their bounding
 /// field is felt.
+///
+/// The trunk base is cut off level, 2% of its radius below the root, so that it stands on the ground; across, if the trunk rises less
+/// than 30° there. On the inner side of bends the cone segments of a curve meet in creases of at most
+/// [`with_turn`](Self::with_turn): a smaller turn makes them fainter, and more primitives.
 ///
 /// The year in which a shoot grew is that of its nodes in [`Skeleton::stages`]; so any skeleton can wear it, and ages as its
 /// synthesizer counts. Kinks of coarse skeletons are rounded; [`Skeleton::relaxed`] takes them out first.
