@@ -13,7 +13,7 @@ use options::Options;
 use treesynth::export::gltf::{GlbOptions, write_glb_parts};
 use treesynth::foliage::{Leaf, Leaves};
 use treesynth::growth::{Growth, TreeAtAge};
-use treesynth::presets::{self, Found, Grown};
+use treesynth::presets::Grown;
 use treesynth::preview::{Camera, Picture, Preview, RayCaster};
 use treesynth::surface::{Mesh, Part, Tubes};
 use treesynth::{Bounds, Silent};
@@ -26,12 +26,7 @@ fn main() {
 }
 
 fn run(options: &Options) -> Result<(), Failure> {
-    let preset = match options::species().find(|preset| preset.name.ends_with(&options.species)) {
-        Some(preset) => preset,
-        None => presets::by_name(&options.species)
-            .and_then(Found::grown)
-            .map_err(|error| format!("--species: {error}; see --list"))?,
-    };
+    let preset = options::named(&options.species)?;
     let folder = options.out.join(preset.name);
     let mut outputs = Outputs::new("--out", &options.out)?;
     let growth = preset.grow(options.seed.unwrap_or(preset.seed))?;
@@ -44,6 +39,14 @@ fn run(options: &Options) -> Result<(), Failure> {
             format!("--age is {age}, but must be 0 to {} years for {}", growth.years(), preset.name).into()
         );
     }
+    // From the first summer to the last, unless it is said otherwise; with one frame a year it is always summer.
+    let years = f32::from(growth.years());
+    let (from, to) =
+        (options.from.unwrap_or(0.6_f32.min(years)), options.to.unwrap_or((years - 0.4).max(0.6)));
+    if from >= to || to > years {
+        let range = format!("0 to {years} years for {}, and --from below --to", preset.name);
+        return Err(format!("--from is {from} and --to is {to}, but must be {range}").into());
+    }
     let look = Look::at(preset, &growth, age, 8)?;
     let parts = look.parts(preset);
     if parts.iter().all(|part| part.triangles() == 0) {
@@ -52,7 +55,6 @@ fn run(options: &Options) -> Result<(), Failure> {
         outputs.write(&file(".glb"), |writer| {
             Ok(write_glb_parts(&parts, &GlbOptions::default().with_name(preset.name), writer)?)
         })?;
-        // The foot of a skin is round.
         let preview = Preview::default().with_ground_height(0.0);
         let picture = look.draw(preset, &preview, options.skin)?;
         outputs.write(&file(".png"), |writer| Ok(picture.write_png(writer)?))?;
@@ -86,14 +88,14 @@ fn run(options: &Options) -> Result<(), Failure> {
         Ok(Picture::sheet(&sheet, columns, 4, [255; 3])?.write_png(writer)?)
     })?;
 
-    let count = options.frames.unwrap_or_else(|| u32::from(growth.years()).max(2));
+    let a_year = if to - from < 2.0 { 48 } else { (to - from).round() as u32 + 1 };
+    let count = options.frames.unwrap_or(a_year);
     let bar = ProgressBar::new(u64::from(count));
     bar.set_style(ProgressStyle::with_template("{msg:>24} [{bar:40}] {percent:>3}% {elapsed_precise}")?);
-    let preview = framed(f32::from(growth.years()) - 0.4)?;
+    let preview = framed(to)?;
     let mut frames = Vec::new();
     for frame in 0..count {
-        // From the first summer to the last; with one frame a year it is always summer.
-        let age = 0.6 + (f32::from(growth.years()) - 1.0) * frame as f32 / (count - 1) as f32;
+        let age = from + (to - from) * frame as f32 / (count - 1) as f32;
         bar.set_message(format!("{age:.2} years"));
         let picture = draw(&preview, age)?;
         outputs.write(&folder.join(format!("{frame:04}.png")), |writer| Ok(picture.write_png(writer)?))?;

@@ -353,6 +353,10 @@ fn rays_hit_a_skin_where_its_mesh_is() {
                 continue;
             }
             grazing += 1;
+            // The rim of the trunk base is sharp, that of its mesh is not.
+            if (along(first).y - skeleton.positions()[0].y).abs() < 2.0 * voxel {
+                continue;
+            }
             let deep = (1..).map(|k| off(first + 0.1 * voxel * k as f32)).take_while(|&deep| deep > 0.0);
             let deepest = deep.fold(off(first).abs(), f32::max);
             assert!(deepest < voxel, "{deepest} deep at {first}: {cast:?}, {met:?}, tree {seed}, ray {i}");

@@ -4,6 +4,7 @@ use super::BlobTree;
 use super::bounded::Bounded;
 use super::curve::Curve;
 use super::error::BlobError;
+use super::limb::Fork;
 use super::operator::{Contact, Operator};
 use super::primitive::{Leaf, Primitive, Range};
 use super::scene::{Kind, Scene, Warp};
@@ -34,6 +35,7 @@ pub(super) enum Draft {
     Leaf(u32),
     Combine { operator: u32, parts: [u32; 2] },
     Bounded { style: u32, parts: [u32; 2] },
+    Fork { fork: Fork, parts: [u32; 2] },
     Warp { warp: u32, part: u32 },
 }
 
@@ -213,6 +215,33 @@ impl BlobTreeBuilder {
         self.push(Draft::Bounded { style, parts }, bounds, most[0].max(most[1]))
     }
 
+    /// A lateral on the branch that bears it: their axes blend within the field as the style says, if there is one, and as by
+    /// the style's outer operator around it; all else that stands on both meets as by a union. Nothing but this and
+    /// [`finish`](Self::finish) may take what it gives.
+    ///
+    /// # Errors
+    /// As of [`bounded`](Self::bounded), of parameters in range.
+    pub(super) fn fork(
+        &mut self,
+        [bearer, lateral]: [Node; 2],
+        style: Bounded,
+        field: Option<Node>,
+    ) -> Result<Node, BlobError> {
+        let mut parts = self.take(style.needy(), [bearer, lateral])?;
+        let values =
+            |part: u32| if let Draft::Fork { .. } = self.entries[part as usize].draft { 2 } else { 1 };
+        let (bearer, lateral, is_bounded) = (values(parts[0]), values(parts[1]), field.is_some());
+        let most = [style.inside, style.outside].map(|operator| self.most(operator, &parts));
+        let bounds = style.bounds(&self.boxes(&parts));
+        if let Some(field) = field {
+            parts.extend(self.take(Operator::Union, [field])?);
+        }
+        let style = remember(&mut self.styles, style);
+        let parts = self.list(&parts);
+        let fork = Fork { style, bearer, lateral, is_bounded };
+        self.push(Draft::Fork { fork, parts }, bounds, most[0].max(most[1]))
+    }
+
     /// A part moved, turned, scaled or sheared.
     ///
     /// # Errors
@@ -345,9 +374,9 @@ impl Draft {
     pub(super) fn parts<'a>(&'a self, lists: &'a [u32]) -> &'a [u32] {
         match self {
             Self::Leaf(_) => &[],
-            Self::Combine { parts: [start, end], .. } | Self::Bounded { parts: [start, end], .. } => {
-                &lists[*start as usize..*end as usize]
-            }
+            Self::Combine { parts: [start, end], .. }
+            | Self::Bounded { parts: [start, end], .. }
+            | Self::Fork { parts: [start, end], .. } => &lists[*start as usize..*end as usize],
             Self::Warp { part, .. } => std::slice::from_ref(part),
         }
     }
@@ -362,6 +391,7 @@ impl Draft {
             Self::Bounded { style, parts: [start, end] } => {
                 Some(Kind::Bounded { style, parts: end - start - 1 })
             }
+            Self::Fork { fork, .. } => Some(Kind::Fork(fork)),
             Self::Warp { .. } => None,
         }
     }

@@ -22,6 +22,7 @@ mod curve;
 mod error;
 mod field;
 mod jet;
+mod limb;
 mod operator;
 mod part;
 mod preset;

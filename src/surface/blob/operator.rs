@@ -298,7 +298,7 @@ pub(super) fn mixed(parts: &[(f32, [f32; 3])]) -> [f32; 3] {
 
 /// The greatest; the first of equals; 0 of none.
 #[inline]
-fn greatest<J: Jet>(parts: &[J]) -> J {
+pub(super) fn greatest<J: Jet>(parts: &[J]) -> J {
     parts.iter().fold(J::ZERO, |best, &part| if part.value() > best.value() { part } else { best })
 }
 

@@ -3,6 +3,7 @@
 use super::BlobTree;
 use super::Operator::{Contact, Difference, Intersection, Pressed, Sum, SuperElliptic, Union};
 use super::field::ISO;
+use super::limb::Fork;
 use super::primitive::Range;
 use super::scene::{Kind, Scene};
 use crate::Bounds;
@@ -52,7 +53,7 @@ impl BlobPart {
 
     /// Whether nothing counts: all values are -1/2.
     pub fn is_empty(&self) -> bool {
-        matches!(*self.steps, [] | [Kind::Nothing])
+        matches!(*self.steps, [] | [Kind::Nothing | Kind::NoLimb])
     }
 
     /// No value in the box changes by more than this a metre.
@@ -75,7 +76,7 @@ impl Part for BlobPart {
         // Where only a bounding field is felt there is nothing.
         let next = self.steps.iter().skip(1).map(Some).chain([None]);
         hull(self.steps.iter().zip(next).map(|step| match step {
-            (Kind::Leaf(_), Some(Kind::Bounded { .. })) => None,
+            (Kind::Leaf(_), Some(Kind::Bounded { .. } | Kind::Fork(Fork { is_bounded: true, .. }))) => None,
             (Kind::Leaf(number), _) => self.scene.span(*number, passage),
             _ => None,
         }))
@@ -120,7 +121,12 @@ impl Solid for BlobTree {
 struct Fate {
     /// The first of the steps that make its part.
     start: u32,
+    /// Of a limb, that of its own value.
     range: Range,
+    /// Of all that stands on a limb; of what is none, nothing.
+    rest: Range,
+    /// How many values it has when it is replaced.
+    values: u8,
     detail: f32,
     /// Its replacement; `None` if its only part that counts does for it.
     step: Option<Kind>,
@@ -130,8 +136,17 @@ struct Fate {
 
 impl Fate {
     fn nothing(start: u32) -> Self {
-        let (range, step) = (Range::NOTHING, Some(Kind::Nothing));
-        Self { start, range, detail: f32::INFINITY, step, needed: false }
+        Self { detail: f32::INFINITY, ..Self::of(start, Range::NOTHING, Some(Kind::Nothing)) }
+    }
+
+    /// Of what is no limb.
+    fn of(start: u32, range: Range, step: Option<Kind>) -> Self {
+        let (rest, values, detail) = (Range::NOTHING, 1, 0.0);
+        Self { start, range, rest, values, detail, step, needed: false }
+    }
+
+    fn is_nothing(&self) -> bool {
+        self.range.is_nothing() && self.rest.is_nothing()
     }
 }
 
@@ -156,20 +171,22 @@ impl BlobTree {
         let mut waiting: Vec<u32> = Vec::new();
         for (i, &step) in steps.iter().enumerate() {
             let count = match step {
-                Kind::Nothing | Kind::Leaf(_) => 0,
+                Kind::Nothing | Kind::NoLimb | Kind::Leaf(_) => 0,
+                Kind::Fork(fork) => fork.parts(),
                 Kind::Combine { parts, .. } => parts as usize,
                 Kind::Bounded { parts, .. } => parts as usize + 1,
             };
             let parts = waiting.len() - count;
             let start = waiting.get(parts).map_or(i as u32, |&first| fates[first as usize].start);
             let fate = match step {
-                Kind::Nothing => Fate::nothing(start),
+                Kind::Nothing | Kind::NoLimb => Fate::nothing(start),
+                Kind::Fork(fork) => scene.forked(fork, start, &waiting[parts..], &mut fates),
                 Kind::Leaf(number) => {
                     let (range, detail) = scene.range(number, ball.0, ball.1);
                     if range.is_nothing() {
                         Fate::nothing(start)
                     } else {
-                        Fate { start, range, detail, step: Some(step), needed: false }
+                        Fate { detail, ..Fate::of(start, range, Some(step)) }
                     }
                 }
                 Kind::Combine { operator, .. } => {
@@ -181,8 +198,10 @@ impl BlobTree {
             waiting.push(i as u32);
             fates.push(fate);
         }
-        let (range, detail) =
-            fates.last().map_or((Range::NOTHING, f32::INFINITY), |fate| (fate.range, fate.detail));
+        let (range, detail) = fates.last().map_or((Range::NOTHING, f32::INFINITY), |fate| {
+            let whole = if fate.values > 1 { Union.range(&[fate.range, fate.rest]) } else { fate.range };
+            (whole, fate.detail)
+        });
         let (scene, steps) = (scene.clone(), survivors(&mut fates));
         (BlobPart { scene, origin, steps, slope: range.slope, detail }, range)
     }
@@ -247,7 +266,45 @@ impl Scene {
         let parts = keep.len() as u32;
         let step = (!alone).then_some(Kind::Combine { operator: number, parts });
         let detail = if !alone && operator.is_contact() { detail * CREASE } else { detail };
-        Fate { start, range, detail, step, needed: false }
+        Fate { detail, ..Fate::of(start, range, step) }
+    }
+
+    /// Pruned form of a fork; marks the parts it needs.
+    fn forked(&self, fork: Fork, start: u32, parts: &[u32], fates: &mut [Fate]) -> Fate {
+        let mut numbers = parts.iter().map(|&part| part as usize);
+        let mut next = |is_there: bool| if is_there { numbers.next() } else { None };
+        let [bearer, lateral, field] = [fork.bearer > 0, fork.lateral > 0, fork.is_bounded].map(&mut next);
+        let felt = |part: Option<usize>, fates: &[Fate]| part.filter(|&part| !fates[part].is_nothing());
+        let (bearer, lateral) = (felt(bearer, fates), felt(lateral, fates));
+        let Some(lateral) = lateral else {
+            // What bears it is as it was.
+            let Some(bearer) = bearer else { return Fate::nothing(start) };
+            fates[bearer].needed = true;
+            return Fate { start, step: None, needed: false, ..fates[bearer] };
+        };
+        let ranges = |part: usize| [fates[part].range, fates[part].rest];
+        let [own, other] = [bearer.map_or([Range::NOTHING; 2], ranges), ranges(lateral)];
+        // Where one of them is not felt nothing blends.
+        let blends = !own[0].is_nothing() && !other[0].is_nothing();
+        let field = felt(field, fates).filter(|_| blends);
+        let bounding = field.map_or(Range::NOTHING, |field| fates[field].range);
+        let style = &self.styles[fork.style as usize];
+        let rest = Fork::range(style, own, other, bounding);
+        let limbs = || bearer.into_iter().chain([lateral]);
+        let detail = limbs().map(|part| fates[part].detail).fold(f32::INFINITY, f32::min);
+        let creases = style.has_contact() && bounding.most > FAINT;
+        let detail = if creases { detail * CREASE } else { detail };
+        let fork = Fork {
+            bearer: bearer.map_or(0, |part| fates[part].values),
+            lateral: fates[lateral].values,
+            is_bounded: field.is_some(),
+            ..fork
+        };
+        for part in limbs().chain(field) {
+            fates[part].needed = true;
+        }
+        let step = Some(Kind::Fork(fork));
+        Fate { start, range: own[0], rest, values: 2, detail, step, needed: false }
     }
 
     /// Pruned form of a bounded blend; marks the parts it needs.
@@ -273,13 +330,13 @@ impl Scene {
             fates[*part as usize].needed = true;
         }
         if let ([(_, range)], true) = (&keep[..], ignores) {
-            return Fate { start, range: *range, detail, step: None, needed: false };
+            return Fate { detail, ..Fate::of(start, *range, None) };
         }
         fates[field as usize].needed = true;
         let kept: SmallVec<[Range; 8]> = keep.iter().map(|(_, range)| *range).collect();
         let creases = style.has_contact() && bounding.most > FAINT;
         let step = Some(Kind::Bounded { style: number, parts: keep.len() as u32 });
         let detail = if creases { detail * CREASE } else { detail };
-        Fate { start, range: style.range(&kept, bounding), detail, step, needed: false }
+        Fate { detail, ..Fate::of(start, style.range(&kept, bounding), step) }
     }
 }

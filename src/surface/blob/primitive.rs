@@ -78,6 +78,21 @@ impl Primitive {
         self
     }
 
+    /// From end to end, metres.
+    pub(super) fn length(&self) -> f32 {
+        self.ends[0].distance(self.ends[1])
+    }
+
+    /// Cut in two, at a fraction of its length: together they are as it was.
+    pub(super) fn halves(self, t: f32) -> [Self; 2] {
+        let ([from, to], [start, end]) = (self.ends, self.radii);
+        let (place, radius) = (from.lerp(to, t), start + (end - start) * t);
+        [
+            Self { ends: [from, place], radii: [start, radius], ..self },
+            Self { ends: [place, to], radii: [radius, end], ..self },
+        ]
+    }
+
     pub(super) fn check(&self) -> Result<(), ParameterError> {
         for end in self.ends {
             let holds = end.is_finite() && end.abs().max_element() <= FARTHEST;

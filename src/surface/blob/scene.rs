@@ -5,7 +5,8 @@ use super::builder::{BlobTreeBuilder, Draft};
 use super::error::BlobError;
 use super::field::ISO;
 use super::jet::Jet;
-use super::operator::Operator;
+use super::limb::Fork;
+use super::operator::{Operator, greatest};
 use super::primitive::{Leaf, Range};
 use crate::Bounds;
 use crate::observer::Watch;
@@ -21,6 +22,8 @@ const MOST_STRETCH: f32 = 1e5;
 pub(super) enum Kind {
     /// A part that is 0 everywhere.
     Nothing,
+    /// A limb that is 0 everywhere, and all that stands on it.
+    NoLimb,
     Leaf(u32),
     /// Takes as many parts off the stack.
     Combine {
@@ -32,6 +35,8 @@ pub(super) enum Kind {
         style: u32,
         parts: u32,
     },
+    /// Takes what it says off the stack, and puts the limb's own value there and the rest.
+    Fork(Fork),
 }
 
 /// An affine map and its inverse.
@@ -183,9 +188,10 @@ impl Scene {
 
     fn bounds_of(&self, kind: Kind, parts: &[Bounds]) -> Bounds {
         match kind {
-            Kind::Nothing | Kind::Leaf(_) => Bounds::EMPTY,
+            Kind::Nothing | Kind::NoLimb | Kind::Leaf(_) => Bounds::EMPTY,
             Kind::Combine { operator, .. } => self.operators[operator as usize].bounds(parts),
             Kind::Bounded { style, .. } => self.styles[style as usize].bounds(&parts[..parts.len() - 1]),
+            Kind::Fork(fork) => self.styles[fork.style as usize].bounds(&parts[..2]),
         }
     }
 
@@ -197,7 +203,7 @@ impl Scene {
             if counts(&self.bounds[i]) {
                 step(self.kinds[i]);
             } else {
-                step(Kind::Nothing);
+                step(if matches!(self.kinds[i], Kind::Fork(_)) { Kind::NoLimb } else { Kind::Nothing });
                 i = self.starts[i] as usize;
             }
         }
@@ -231,10 +237,25 @@ impl Scene {
                     stack.truncate(start);
                     value
                 }
+                Kind::NoLimb => {
+                    stack.push(J::ZERO);
+                    J::ZERO
+                }
+                Kind::Fork(fork) => {
+                    let start = stack.len() - fork.values();
+                    let [own, rest] = fork.combine(&self.styles[fork.style as usize], &stack[start..]);
+                    stack.truncate(start);
+                    stack.push(own);
+                    rest
+                }
             };
             stack.push(value);
         }
-        stack.pop().unwrap_or(J::ZERO)
+        // A limb has two values.
+        match stack[..] {
+            [value] => value,
+            _ => greatest(&stack),
+        }
     }
 
     /// The value less 1/2.
@@ -285,11 +306,24 @@ impl Scene {
                     stack.truncate(start);
                     felt
                 }
+                Kind::NoLimb => {
+                    stack.push((0.0, [0.0; 3]));
+                    (0.0, [0.0; 3])
+                }
+                Kind::Fork(fork) => {
+                    let start = stack.len() - fork.values();
+                    let [own, rest] = fork.color(&self.styles[fork.style as usize], &stack[start..]);
+                    stack.truncate(start);
+                    stack.push(own);
+                    rest
+                }
             };
             // What is not felt has no colour either, whether its step is there or not.
             stack.push(if felt.0 > 0.0 { felt } else { (0.0, [0.0; 3]) });
         }
-        stack.pop().map_or([0.0; 3], |part| part.1)
+        let stronger =
+            |best: (f32, [f32; 3]), part: (f32, [f32; 3])| if part.0 > best.0 { part } else { best };
+        stack.into_iter().fold((0.0, [0.0; 3]), stronger).1
     }
 
     /// Bounds of a leaf's values within `reach` metres of a point, and the least radius there, metres.

@@ -13,18 +13,34 @@ use glam::Vec3;
 const FAINTEST: f32 = 0.01;
 /// The least sine of the angle between a lateral and its bearer that is told from 0.
 const LEAST_SINE: f32 = 0.35;
+/// How many of its radii of a trunk's base are cut off at the ground.
+const STANDING: f32 = 3.0;
+/// A trunk that rises less than this, a metre, lies on the ground.
+const LEAST_RISE: f32 = 0.5;
+/// How much larger than the trunk base the ball is that cuts it off: it bends by a hundredth of a radius.
+const FLAT: f32 = 50.0;
+/// How far below its root a trunk is cut off, in radii: so that the root is within.
+const SUNK: f32 = 0.02;
+/// Farther out than this, in metres, no ball is put.
+const FARTHEST: f32 = 1e8;
 /// Greatest fall of fields half a radius wide where bark bulges, times that half.
 const NARROW: f32 = 0.25;
 
 /// The skin of a whole tree as a [`BlobTree`]: section 3.2 of Galbraith, Mündermann and Wyvill 2004.
 ///
-/// Each year's shoot is a [`Curve`]; the shoots of an axis are joined end to end, and laterals are summed to their bearer, so
-/// that all is smooth: a lateral's field reaches as far as its bearer's, so that the fillet below it is as soft on one as on the
-/// other. Where two years' shoots meet, precise contact takes the place of that within a bounding field: the
+/// Each year's shoot is a [`Curve`]; the shoots of an axis are joined end to end, and a lateral is summed to its parent branch, so
+/// that all is smooth there: a lateral's field reaches as far as its bearer's, so that the fillet below it is as soft on one as on the
+/// other. No other branches are: those that pass each other, and laterals of one bearer, meet as by a
+/// [union](Operator::Union), with a crease and without a bridge. Where two years' shoots meet, precise contact takes the place of
+/// that within a bounding field: the
 /// ring of the bud scale scar, which fades as the junction ages. Where a lateral leaves its bearer there is contact too: around
 /// its whole base at first, the bud scale scar of the lateral; with age the bounding field moves into the axil, where the
 /// contact stays as the branch bark ridge and the rest of the base becomes smooth. Both are darkened as far as their bounding
 /// field is felt.
+///
+/// The trunk base is cut off level, 2% of its radius below the root, so that it stands on the ground; across, if the trunk rises less
+/// than 30° there. On the inner side of bends the cone segments of a curve meet in creases of at most
+/// [`with_turn`](Self::with_turn): a smaller turn makes them fainter, and more primitives.
 ///
 /// The year in which a shoot grew is that of its nodes in [`Skeleton::stages`]; so any skeleton can wear it, and ages as its
 /// synthesizer counts. Kinks of coarse skeletons are rounded; [`Skeleton::relaxed`] takes them out first.
@@ -334,8 +350,14 @@ impl Tailor<'_> {
         let mut joints: Vec<u32> = ends.iter().map(|&i| nodes[i]).collect();
         let mut ages: Vec<f32> = ends.iter().map(|&i| self.age_of(nodes[i + 1])).collect();
         let mut shoots = Vec::with_capacity(curves.len());
+        let base = radius(0);
+        let mut standing = if spring.is_none() && nodes.len() > 1 { STANDING * base } else { 0.0 };
         for curve in &curves {
-            shoots.push(self.builder.curve(curve)?);
+            shoots.push(if standing > 0.0 {
+                self.standing(curve, [self.position(nodes[0]), ways[0]], base, &mut standing)?
+            } else {
+                self.builder.curve(curve)?
+            });
         }
         // In pairs, then pairs of pairs, so that boxes stay small.
         while shoots.len() > 1 {
@@ -358,6 +380,48 @@ impl Tailor<'_> {
         shoots.pop().ok_or(BlobError::Empty { most: 0.0 })
     }
 
+    /// A shoot of the trunk, of which the first so many metres stand in the ground: they are cut off there, by a ball so large that
+    /// it is flat as far as they reach. Takes off from `metres` what stands.
+    fn standing(
+        &mut self,
+        curve: &Curve,
+        [foot, way]: [Vec3; 2],
+        radius: f32,
+        metres: &mut f32,
+    ) -> Result<Node, BlobError> {
+        let (mut below, mut above) = (Vec::new(), Vec::new());
+        for cone in curve.primitives()? {
+            let part = *metres / cone.length();
+            let [low, high] = if part < 1.0 { cone.halves(part) } else { [cone; 2] };
+            if *metres > 0.0 {
+                below.push(self.builder.add(low)?);
+            }
+            if part < 1.0 {
+                above.push(self.builder.add(high)?);
+            }
+            *metres = (*metres - cone.length()).max(0.0);
+        }
+        let (ball, along) = (FLAT * radius, way.normalize_or(Vec3::Y));
+        // What lies on the ground has its end cut off across.
+        let up = if along.y >= LEAST_RISE { Vec3::Y } else { along };
+        let mut parts = Vec::new();
+        if !below.is_empty() {
+            let mut solid = self.builder.union(below)?;
+            if foot.abs().max_element() + 2.0 * ball <= FARTHEST {
+                let ground = Primitive::point(foot + up * (ball - SUNK * radius), ball)
+                    .with_field(FieldFunction::Smooth { width: 1.0 / FLAT })
+                    .with_color(self.skin.bark);
+                let ground = self.builder.add(ground)?;
+                solid = self.builder.intersection([solid, ground])?;
+            }
+            parts.push(solid);
+        }
+        if !above.is_empty() {
+            parts.push(self.builder.union(above)?);
+        }
+        self.builder.union(parts)
+    }
+
     /// Two shoots of an axis with a bud scale scar between them.
     fn scar(&mut self, shoot: Node, next: Node, joint: u32, age: f32) -> Result<Node, BlobError> {
         let skin = self.skin;
@@ -377,7 +441,7 @@ impl Tailor<'_> {
     fn fork(&mut self, bearer: Node, lateral: Node, spring: &Spring) -> Result<Node, BlobError> {
         let skin = self.skin;
         if skin.ridges < FAINTEST {
-            return self.builder.sum([bearer, lateral]);
+            return self.builder.fork([bearer, lateral], Bounded::new(Operator::Sum, Operator::Sum), None);
         }
         let &Spring { foot, first, thick, own, along, out, sine, cosine } = spring;
         // Where the lateral's axis and its upper side leave the bearer.
@@ -391,7 +455,7 @@ impl Tailor<'_> {
             .with_strength(skin.ridges);
         let field = self.builder.add(bounding)?;
         let style = Bounded::new(self.pressed(), Operator::Sum).with_color(skin.mark);
-        self.builder.bounded([bearer, lateral], style, field)
+        self.builder.fork([bearer, lateral], style, Some(field))
     }
 
     /// Direction in which an axis goes on at its i-th node, or comes from at its tip.

@@ -14,6 +14,8 @@ enum Act {
     Combine(Operator, usize),
     Bounded(Bounded, Primitive, usize),
     Warp(Vec3, Vec3),
+    /// Whether the bearer, the lateral are limbs already; whether there is a bounding field.
+    Fork([bool; 3], Contact, Primitive),
 }
 
 fn places() -> impl Strategy<Value = Vec3> {
@@ -57,11 +59,17 @@ fn operators() -> impl Strategy<Value = Operator> {
     ]
 }
 
-fn acts() -> impl Strategy<Value = Act> {
+fn boundings() -> impl Strategy<Value = Primitive> {
     let bounding = (places(), 0.3f32..1.0, 0.0f32..1.0, 0.0f32..0.8);
-    let bounding = bounding.prop_map(|(at, radius, strength, inner)| {
+    bounding.prop_map(|(at, radius, strength, inner)| {
         Primitive::point(at, radius).with_field(FieldFunction::Bounding { inner }).with_strength(strength)
-    });
+    })
+}
+
+fn acts() -> impl Strategy<Value = Act> {
+    let bounding = boundings();
+    let contact = (0.1f32..0.5, 0.0f32..3.0)
+        .prop_map(|(reach, bulge)| Contact::default().with_reach(reach).with_bulge(bulge));
     let style = (operators(), operators()).prop_map(|(inside, outside)| Bounded::new(inside, outside));
     prop_oneof![
         6 => primitives().prop_map(Act::Add),
@@ -69,6 +77,7 @@ fn acts() -> impl Strategy<Value = Act> {
         3 => (operators(), 1usize..8).prop_map(|(operator, parts)| Act::Combine(operator, parts)),
         2 => (style, bounding, 1usize..5).prop_map(|(style, at, parts)| Act::Bounded(style, at, parts)),
         1 => (places(), places()).prop_map(|(turn, scale)| Act::Warp(turn, scale)),
+        3 => (any::<[bool; 3]>(), contact, boundings()).prop_map(|(what, contact, at)| Act::Fork(what, contact, at)),
     ]
 }
 
@@ -76,6 +85,7 @@ fn acts() -> impl Strategy<Value = Act> {
 fn build(acts: &[Act]) -> Option<BlobTree> {
     let mut builder = BlobTreeBuilder::default();
     let mut nodes: Vec<Node> = Vec::new();
+    let mut limbs: Vec<Node> = Vec::new();
     for act in acts {
         let node = match act {
             Act::Add(primitive) => builder.add(*primitive).unwrap(),
@@ -101,6 +111,22 @@ fn build(acts: &[Act]) -> Option<BlobTree> {
                 let at = builder.add(*at).unwrap();
                 builder.bounded(parts, *style, at).unwrap()
             }
+            Act::Fork([bearing, borne, is_bounded], contact, at) => {
+                let mut take = |limb: bool| if limb { limbs.pop() } else { nodes.pop() };
+                let pair = match (take(*bearing), take(*borne)) {
+                    (Some(bearer), Some(lateral)) => [bearer, lateral],
+                    (one, other) => {
+                        for (part, limb) in [(other, *borne), (one, *bearing)] {
+                            if limb { limbs.extend(part) } else { nodes.extend(part) }
+                        }
+                        continue;
+                    }
+                };
+                let style = Bounded::new(Operator::Contact(*contact), Operator::Sum).with_color([0.5; 3]);
+                let field = is_bounded.then(|| builder.add(*at).unwrap());
+                limbs.push(builder.fork(pair, style, field).unwrap());
+                continue;
+            }
             Act::Warp(turn, scale) => {
                 let Some(part) = nodes.pop() else { continue };
                 let turn = Quat::from_scaled_axis(*turn);
@@ -111,7 +137,11 @@ fn build(acts: &[Act]) -> Option<BlobTree> {
         };
         nodes.push(node);
     }
-    let root = builder.sum(nodes).ok()?;
+    let mut root = if nodes.is_empty() { limbs.pop()? } else { builder.sum(nodes).ok()? };
+    for limb in limbs {
+        let style = Bounded::new(Operator::Sum, Operator::Sum);
+        root = builder.fork([root, limb], style, None).unwrap();
+    }
     builder.finish(root).ok()
 }
 

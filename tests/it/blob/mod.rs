@@ -4,3 +4,4 @@ mod bad_input;
 mod equations;
 mod skin;
 mod smooth;
+mod strangers;

@@ -129,6 +129,31 @@ fn any_skeleton_can_wear_it() {
     assert!(worn(&Skin::default(), &odd.with_stages(vec![0, 1, 2, 3, 4]).expect("stages")).value(up) > 0.0);
 }
 
+/// The trunk base is flat and as wide as it is above; what lies on the ground is cut off across.
+#[test]
+fn trunks_end_on_the_ground() {
+    for way in [Vec3::Y, Vec3::new(0.4, 1.0, -0.3).normalize(), Vec3::X, Vec3::new(1.0, 0.2, 0.0).normalize()]
+    {
+        for (scale, internode) in [(1.0, 0.3), (1.0, 0.01), (0.02, 3.0)] {
+            let radius = 0.1 * scale;
+            let places: Vec<Vec3> = (0..200).map(|i| way * (internode * scale * i as f32)).collect();
+            let parents = (0..200u32).map(|i| i.checked_sub(1)).collect();
+            let pole = Skeleton::new(places, parents).and_then(|pole| pole.with_radii(vec![radius; 200]));
+            let tree = worn(&Skin::default(), &pole.expect("a pole"));
+            let up = if way.y > 0.5 { Vec3::Y } else { way };
+            let (right, ahead) = up.any_orthonormal_pair();
+            let (mut full, mut below) = (0, 0);
+            for i in 0..400 {
+                let (sin, cos) = treesynth::math::sin_cos(i as f32 * 0.7);
+                let aside = (right * cos + ahead * sin) * (radius * 1.3 * (i as f32 / 400.0));
+                full += usize::from(tree.value(aside + up * (0.01 * radius)) > 0.0);
+                below += usize::from(tree.value(aside - up * (0.04 * radius)) > 0.0);
+            }
+            assert!(below == 0 && full > 270, "{way} {scale} {internode}: {full} {below}");
+        }
+    }
+}
+
 #[test]
 fn figures_are_there_and_the_same_as_ever() {
     let names: Vec<_> = presets().map(|preset| preset.name).collect();
@@ -144,5 +169,5 @@ fn figures_are_there_and_the_same_as_ever() {
         })
     });
     let hash = fnv1a(numbers.flat_map(u32::to_le_bytes));
-    assert_eq!(hash, 0xff86_75fd_75d9_8ef6, "{hash:#018x}");
+    assert_eq!(hash, 0x379a_0416_bdc9_e8dc, "{hash:#018x}");
 }
