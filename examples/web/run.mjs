@@ -1,0 +1,109 @@
+// Builds the page and serves it: `node run.mjs [--build] [--port N]`. Needs Rust and Node.js 20.
+//
+// Without the target wasm32 of rustup (no rustup, or one that reaches no server), the standard library is built from
+// its source: rustup's `rust-src`, Debian's package of that name, or a folder in RUST_SRC, of the compiler's own version.
+
+import { execFileSync } from "node:child_process";
+import { cpSync, createReadStream, existsSync, mkdirSync, readFileSync, rmSync, statSync, writeFileSync } from "node:fs";
+import { createServer } from "node:http";
+import { dirname, extname, join, normalize } from "node:path";
+import { fileURLToPath } from "node:url";
+import { gzipSync } from "node:zlib";
+
+const here = dirname(fileURLToPath(import.meta.url));
+const out = join(here, "dist");
+const TARGET = "wasm32-unknown-unknown";
+
+const run = (program, args, options = {}) => {
+  console.log(`> ${program} ${args.join(" ")}`);
+  execFileSync(program, args, { cwd: here, stdio: "inherit", ...options });
+};
+const ask = (program, args) => execFileSync(program, args, { cwd: here, encoding: "utf8" }).trim();
+
+// What cargo needs besides to build for the target.
+function target() {
+  const sysroot = ask("rustc", ["--print", "sysroot"]);
+  const has = () => existsSync(join(sysroot, "lib/rustlib", TARGET, "lib"));
+  if (!has()) {
+    try {
+      execFileSync("rustup", ["target", "add", TARGET], { stdio: "ignore", timeout: 120_000 });
+    } catch {
+      // No rustup, or no server: from source.
+    }
+  }
+  if (has()) return { args: [], env: {} };
+  const version = ask("rustc", ["--version"]).split(" ")[1];
+  const places = [process.env.RUST_SRC, join(sysroot, "lib/rustlib/src/rust/library"), `/usr/src/rustc-${version}/library`];
+  const library = places.find((place) => place && existsSync(join(place, "std/Cargo.toml")));
+  if (!library) {
+    throw new Error(
+      `there is no standard library for ${TARGET}, and no source of it: \`rustup target add ${TARGET}\`, or set RUST_SRC to the `
+      + `folder \`library\` of Rust ${version} (Debian: rust-src, unpacked or installed)`,
+    );
+  }
+  console.log(`the standard library is built from ${library}`);
+  return {
+    args: ["-Zbuild-std=std,panic_abort", "-Zbuild-std-features=optimize_for_size"],
+    env: { RUSTC_BOOTSTRAP: "1", __CARGO_TESTS_ONLY_SRC_ROOT: library },
+  };
+}
+
+function build() {
+  const { args, env } = target();
+  run("cargo", ["build", "--release", "--locked", "--lib", "--target", TARGET, ...args], {
+    env: {
+      ...process.env,
+      ...env,
+      // 16 MB of stack: growing recurses nowhere, but meshes are moved by value.
+      CARGO_TARGET_WASM32_UNKNOWN_UNKNOWN_RUSTFLAGS: "-C target-feature=+simd128,+bulk-memory -C link-arg=-zstack-size=4194304",
+    },
+  });
+  run("npm", ["ci", "--no-audit", "--no-fund"], { shell: process.platform === "win32" });
+  rmSync(out, { recursive: true, force: true });
+  mkdirSync(out);
+  const folder = process.env.CARGO_TARGET_DIR ?? join(here, "target");
+  const whole = join(folder, TARGET, "release", "treesynth_web.wasm");
+  const wasm = join(out, "treesynth.wasm");
+  const features = ["--enable-simd", "--enable-bulk-memory", "--enable-nontrapping-float-to-int", "--enable-sign-ext",
+    "--enable-mutable-globals", "--enable-reference-types", "--enable-multivalue"];
+  run("node", [join(here, "node_modules/binaryen/bin/wasm-opt"), "-O3", ...features, whole, "-o", wasm]);
+  for (const file of ["index.html", "style.css"]) cpSync(join(here, "page", file), join(out, file));
+  const bundle = (file, format) =>
+    run("node", [join(here, "node_modules/esbuild/bin/esbuild"), join("page", file), "--bundle", "--minify", `--format=${format}`,
+      "--target=es2022", `--outfile=${join(out, file)}`, "--log-level=warning"]);
+  bundle("main.js", "esm");
+  bundle("worker.js", "iife");
+  writeFileSync(join(out, "LICENSE-three.txt"), readFileSync(join(here, "node_modules/three/LICENSE")));
+  for (const file of ["treesynth.wasm", "main.js"]) {
+    const bytes = readFileSync(join(out, file));
+    console.log(`${file}: ${(bytes.length / 1e6).toFixed(2)} MB, ${(gzipSync(bytes).length / 1e6).toFixed(2)} MB compressed`);
+  }
+}
+
+const TYPES = {
+  ".html": "text/html; charset=utf-8", ".js": "text/javascript", ".css": "text/css", ".wasm": "application/wasm", ".txt": "text/plain",
+};
+
+// Serves the built page; resolves to the server.
+export function serve(port) {
+  const server = createServer((request, response) => {
+    const path = normalize(decodeURIComponent(new URL(request.url, "http://localhost").pathname));
+    const file = join(out, path.endsWith("/") ? join(path, "index.html") : path);
+    if (!file.startsWith(out) || !existsSync(file) || !statSync(file).isFile()) {
+      response.writeHead(404).end("not found");
+      return;
+    }
+    response.writeHead(200, { "content-type": TYPES[extname(file)] ?? "application/octet-stream", "cache-control": "no-cache" });
+    createReadStream(file).pipe(response);
+  });
+  return new Promise((resolve) => server.listen(port, "127.0.0.1", () => resolve(server)));
+}
+
+if (process.argv[1] === fileURLToPath(import.meta.url)) {
+  const port = process.argv.indexOf("--port");
+  build();
+  if (!process.argv.includes("--build")) {
+    const server = await serve(port > 0 ? Number(process.argv[port + 1]) : 8080);
+    console.log(`http://localhost:${server.address().port}/`);
+  }
+}
