@@ -155,6 +155,11 @@ impl Clothes {
 }
 
 impl Model {
+    /// Of a tree of which skeletons alone are written.
+    pub(crate) fn none() -> Self {
+        Self::Levels(Vec::new())
+    }
+
     /// The parts of each level.
     pub(crate) fn levels(&self) -> Vec<Vec<Part<'_>>> {
         match self {

@@ -116,13 +116,14 @@ pub(crate) fn run(options: &Options, common: &Common) -> Result<(), Failure> {
     });
     report::tell(common, &value, || {
         let counts: Vec<String> = triangles(&levels).iter().map(u64::to_string).collect();
+        let counts =
+            if counts.is_empty() { String::new() } else { format!("{} triangles, ", counts.join(" / ")) };
         let files: Vec<String> = files.iter().map(|file| file.display().to_string()).collect();
         format!(
-            "{}, seed {}: {}\n{} triangles, {milliseconds:.0} ms\n{}",
+            "{}, seed {}: {}\n{counts}{milliseconds:.0} ms\n{}",
             tree.name,
             tree.seed,
             tree.text,
-            counts.join(" / "),
             files.join("\n"),
         )
     })
@@ -177,7 +178,7 @@ impl Options {
         let (request, _) = self.wish.request(species, seed)?;
         let tree = request.grow()?;
         bar.step("bark, leaves and levels");
-        let model = self.clothes.specimen(&tree)?;
+        let model = if self.out.has_triangles() { self.clothes.specimen(&tree)? } else { Model::none() };
         let (numbers, leaves) =
             (tree.numbers, tree.leaves.as_ref().map_or(0, |leaves| leaves.instances.len()));
         let text = format!(
@@ -206,7 +207,11 @@ impl Options {
         let relaxed = growth.skeleton.relaxed(0.5, 3)?;
         let leaves = preset.foliage(season).map(|foliage| foliage.place(&relaxed, seed)).transpose()?;
         let images = preset.bark_texture().with_seed(seed);
-        let model = self.clothes.dressed(&relaxed, leaves.as_slice(), preset.bark(), Some(images))?;
+        let model = if self.out.has_triangles() {
+            self.clothes.dressed(&relaxed, leaves.as_slice(), preset.bark(), Some(images))?
+        } else {
+            Model::none()
+        };
         let leaves = leaves.map_or(0, |leaves| leaves.instances.len());
         let text = format!(
             "{} nodes, {endpoints} endpoints, {} internodes, {leaves} leaves",

@@ -1,7 +1,7 @@
 //! `shape`: a tree that fills a mesh or a drawing.
 
 use crate::arguments::Common;
-use crate::clothe::{Clothes, triangles};
+use crate::clothe::{Clothes, Model, triangles};
 use crate::failure::refused;
 use crate::number::{number, text};
 use crate::progress::Bar;
@@ -67,8 +67,11 @@ pub(crate) fn run(options: &Options, common: &Common) -> Result<(), Failure> {
     let best = growth.trace[growth.best];
     bar.step("bark and levels");
     let bark = Material::bark();
-    let model =
-        options.clothes.dressed(&growth.skeleton, &[], bark, Some(treesynth::texture::Bark::oak()))?;
+    let model = if options.out.has_triangles() {
+        options.clothes.dressed(&growth.skeleton, &[], bark, Some(treesynth::texture::Bark::oak()))?
+    } else {
+        Model::none()
+    };
     let metrics = Metrics::of(&growth.skeleton);
     let (levels, coverages) = (model.levels(), model.coverages(metrics.height as f32));
     bar.step("writing files");

@@ -247,6 +247,11 @@ impl Out {
         formats
     }
 
+    /// Whether anything but skeletons is written.
+    pub(crate) fn has_triangles(&self) -> bool {
+        self.format.iter().any(|format| !format.has_skeleton())
+    }
+
     /// Refuses what has one skeleton, where there are many.
     pub(crate) fn check_scene(&self) -> Result<(), Failure> {
         match self.format.iter().find(|format| format.has_skeleton()) {

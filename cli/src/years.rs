@@ -1,6 +1,7 @@
 //! `years`: a tree over the years.
 
 use crate::arguments::Common;
+use crate::clothe::{Clothes, Model, triangles};
 use crate::failure::refused;
 use crate::number::{number, text};
 use crate::progress::Bar;
@@ -38,11 +39,14 @@ pub(crate) struct Options {
     /// No sheet of several ages, NAME-sheet.png
     #[arg(long)]
     no_sheet: bool,
+    #[command(flatten, next_help_heading = "Model")]
+    clothes: Clothes,
     #[command(flatten, next_help_heading = "Files")]
     out: Out,
 }
 
 pub(crate) fn run(options: &Options, common: &Common) -> Result<(), Failure> {
+    options.clothes.check()?;
     let preset = options.preset()?;
     if options.frames == Some(1) {
         return Err(refused("--frames is 1, but must be 2 to 1000 pictures, or 0"));
@@ -56,8 +60,7 @@ pub(crate) fn run(options: &Options, common: &Common) -> Result<(), Failure> {
         return Err(refused(format!("--age is {age}, but must be 0 to {oldest} years for {}", preset.name)));
     }
     let look = Look::at(preset, &growth, age, 8)?;
-    let parts = look.parts(preset);
-    if parts.iter().all(|part| part.triangles() == 0) {
+    if look.stand.skeleton.segments() == 0 {
         return Err(refused(format!(
             "--age is {age}, but nothing has sprouted then: there is no model of it"
         )));
@@ -65,9 +68,19 @@ pub(crate) fn run(options: &Options, common: &Common) -> Result<(), Failure> {
     let mut outputs = options.out.outputs()?;
     let bar = Bar::new(common.quiet);
     let name = options.out.name.clone().unwrap_or_else(|| stem(preset.name));
+    bar.step("bark, leaves and levels");
+    let dress: Vec<Leaves> = look.leaves.iter().chain([&look.buds]).cloned().collect();
+    let skeleton = &look.stand.skeleton;
+    let images = preset.bark_texture().with_seed(seed);
+    let model = if options.out.has_triangles() {
+        options.clothes.dressed(skeleton, &dress, preset.bark(), Some(images))?
+    } else {
+        Model::none()
+    };
+    let height = treesynth::metrics::height(skeleton) as f32;
+    let (levels, coverages) = (model.levels(), model.coverages(height));
     bar.step("writing the model");
-    let levels = [parts];
-    let tree = Tree { levels: &levels, coverages: &[], skeleton: &look.stand.skeleton, bark: preset.bark() };
+    let tree = Tree { levels: &levels, coverages: &coverages, skeleton, bark: preset.bark() };
     let mut files = options.out.tree(&mut outputs, &name, &tree)?;
 
     // All pictures are framed as the oldest tree is, so that it is the tree that grows and not the picture.
@@ -122,6 +135,7 @@ pub(crate) fn run(options: &Options, common: &Common) -> Result<(), Failure> {
         "oldest": oldest,
         "internodes": look.stand.skeleton.segments(),
         "leaves": leaves,
+        "triangles": triangles(&levels),
         "files": files,
         "milliseconds": milliseconds,
     });

@@ -1,7 +1,8 @@
-// Builds the page and serves it: `node run.mjs [--build] [--port N]`. Needs Rust and Node.js 20.
+// Builds the page and serves it: `node run.mjs [--build] [--port N]`. Needs Rust, its target wasm32-unknown-unknown
+// (`rustup target add wasm32-unknown-unknown`) and Node.js 20. Nothing is installed outside this folder.
 //
-// Without the target wasm32 of rustup (no rustup, or one that reaches no server), the standard library is built from
-// its source: rustup's `rust-src`, Debian's package of that name, or a folder in RUST_SRC, of the compiler's own version.
+// Where rustup reaches no server, the standard library is built from its source, of the compiler's own version: a folder in
+// RUST_SRC, which scripts/rust_src takes from Debian's packages; rustup's `rust-src`; or Debian's, installed.
 
 import { execFileSync } from "node:child_process";
 import { cpSync, createReadStream, existsSync, mkdirSync, readFileSync, rmSync, statSync, writeFileSync } from "node:fs";
@@ -23,27 +24,19 @@ const ask = (program, args) => execFileSync(program, args, { cwd: here, encoding
 // What cargo needs besides to build for the target.
 function target() {
   const sysroot = ask("rustc", ["--print", "sysroot"]);
-  const has = () => existsSync(join(sysroot, "lib/rustlib", TARGET, "lib"));
-  if (!has()) {
-    try {
-      execFileSync("rustup", ["target", "add", TARGET], { stdio: "ignore", timeout: 120_000 });
-    } catch {
-      // No rustup, or no server: from source.
-    }
-  }
-  if (has()) return { args: [], env: {} };
+  if (existsSync(join(sysroot, "lib/rustlib", TARGET, "lib"))) return { args: [], env: {} };
   const version = ask("rustc", ["--version"]).split(" ")[1];
   const places = [process.env.RUST_SRC, join(sysroot, "lib/rustlib/src/rust/library"), `/usr/src/rustc-${version}/library`];
   const library = places.find((place) => place && existsSync(join(place, "std/Cargo.toml")));
   if (!library) {
     throw new Error(
       `there is no standard library for ${TARGET}, and no source of it: \`rustup target add ${TARGET}\`, or set RUST_SRC to the `
-      + `folder \`library\` of Rust ${version} (Debian: rust-src, unpacked or installed)`,
+      + `folder \`library\` of Rust ${version}'s source (scripts/rust_src)`,
     );
   }
   console.log(`the standard library is built from ${library}`);
   return {
-    args: ["-Zbuild-std=std,panic_abort", "-Zbuild-std-features=optimize_for_size"],
+    args: ["-Zbuild-std=std,panic_abort"],
     env: { RUSTC_BOOTSTRAP: "1", __CARGO_TESTS_ONLY_SRC_ROOT: library },
   };
 }
@@ -54,7 +47,7 @@ function build() {
     env: {
       ...process.env,
       ...env,
-      // 16 MB of stack: growing recurses nowhere, but meshes are moved by value.
+      // 4 MB of stack, as a thread of Rust has 2.
       CARGO_TARGET_WASM32_UNKNOWN_UNKNOWN_RUSTFLAGS: "-C target-feature=+simd128,+bulk-memory -C link-arg=-zstack-size=4194304",
     },
   });

@@ -116,7 +116,11 @@ struct Tree<'a> {
     age: Option<f32>,
 }
 
-fn of_species<'a>(ask: &Ask, species: &'a Species, progress: Progress<'_>) -> Result<Tree<'a>, Box<dyn Error>> {
+fn of_species<'a>(
+    ask: &Ask,
+    species: &'a Species,
+    progress: Progress<'_>,
+) -> Result<Tree<'a>, Box<dyn Error>> {
     let mut request = species.request().with_seed(ask.seed);
     if let Some(height) = ask.height {
         request = request.with_height(height);
@@ -170,7 +174,11 @@ impl Observer for Watch<'_> {
     }
 }
 
-fn of_preset(ask: &Ask, preset: &'static Preset, progress: Progress<'_>) -> Result<Tree<'static>, Box<dyn Error>> {
+fn of_preset(
+    ask: &Ask,
+    preset: &'static Preset,
+    progress: Progress<'_>,
+) -> Result<Tree<'static>, Box<dyn Error>> {
     if !(100..=200_000).contains(&ask.nodes) {
         return Err(format!("nodes is {}, but must be 100 to 200000", ask.nodes).into());
     }
