@@ -41,7 +41,7 @@ function target() {
   };
 }
 
-function build() {
+async function build() {
   const { args, env } = target();
   run("cargo", ["build", "--release", "--locked", "--lib", "--target", TARGET, ...args], {
     env: {
@@ -61,11 +61,11 @@ function build() {
     "--enable-mutable-globals", "--enable-reference-types", "--enable-multivalue"];
   run("node", [join(here, "node_modules/binaryen/bin/wasm-opt"), "-O3", ...features, whole, "-o", wasm]);
   for (const file of ["index.html", "style.css"]) cpSync(join(here, "page", file), join(out, file));
-  const bundle = (file, format) =>
-    run("node", [join(here, "node_modules/esbuild/bin/esbuild"), join("page", file), "--bundle", "--minify", `--format=${format}`,
-      "--target=es2022", `--outfile=${join(out, file)}`, "--log-level=warning"]);
-  bundle("main.js", "esm");
-  bundle("worker.js", "iife");
+  // There only now.
+  const { build: bundle } = await import("esbuild");
+  const shared = { bundle: true, minify: true, target: "es2022", logLevel: "warning", outdir: out };
+  await bundle({ ...shared, entryPoints: [join(here, "page/main.js")], format: "esm" });
+  await bundle({ ...shared, entryPoints: [join(here, "page/worker.js")], format: "iife" });
   writeFileSync(join(out, "LICENSE-three.txt"), readFileSync(join(here, "node_modules/three/LICENSE")));
   for (const file of ["treesynth.wasm", "main.js"]) {
     const bytes = readFileSync(join(out, file));
@@ -94,7 +94,7 @@ export function serve(port) {
 
 if (process.argv[1] === fileURLToPath(import.meta.url)) {
   const port = process.argv.indexOf("--port");
-  build();
+  await build();
   if (!process.argv.includes("--build")) {
     const server = await serve(port > 0 ? Number(process.argv[port + 1]) : 8080);
     console.log(`http://localhost:${server.address().port}/`);
