@@ -10,7 +10,7 @@ use std::time::{Duration, Instant};
 const SMALL: &[&str] =
     &["grow", "figure-06c", "--nodes", "500", "--textures", "none", "--format", "obj,glb,json"];
 const LARGE: &[&str] =
-    &["grow", "figure-06c", "--nodes", "60000", "--budget", "none", "--format", "obj,glb,json"];
+    &["grow", "figure-06c", "--nodes", "20000", "--budget", "none", "--format", "obj,glb,json"];
 
 #[cfg(unix)]
 #[test]

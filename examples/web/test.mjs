@@ -109,7 +109,7 @@ try {
     assert.equal(issues.numErrors + issues.numWarnings, 0, JSON.stringify(issues.messages.slice(0, 3)));
     const ask = await page.evaluate(() => document.body.dataset.tree);
     const native = join(out, "native.glb");
-    execFileSync("cargo", ["run", "--release", "--locked", "--quiet", "--bin", "native", "--", ask, native], { cwd: here, stdio: "inherit" });
+    execFileSync("cargo", ["run", "--profile", "native", "--locked", "--quiet", "--bin", "native", "--", ask, native], { cwd: here, stdio: "inherit" });
     assert.equal(sum(saved), sum(readFileSync(native)));
   });
 

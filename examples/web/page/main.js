@@ -5,8 +5,6 @@ import { Grower } from "./grower.js";
 import { View } from "./view.js";
 
 const at = (id) => document.getElementById(id);
-// While a slider moves: coarse, and soon there.
-const PREVIEW = { budget: 4000, textures: 128 };
 
 const status = (text, isError = false) => {
   at("status").textContent = text;
@@ -43,7 +41,9 @@ async function start() {
   // Grows what the controls say, and shows it.
   const grow = async (isPreview) => {
     const ask = controls.ask();
-    const wanted = isPreview ? { ...ask, budget: Math.min(ask.budget, PREVIEW.budget), textures: PREVIEW.textures } : ask;
+    // While a slider moves: coarse, and soon there. A graph of more nodes would take longer than a hand moves.
+    const coarse = { preview: true, wind: false, ...(ask.nodes && { nodes: Math.min(ask.nodes, 20_000) }) };
+    const wanted = isPreview ? { ...ask, ...coarse } : ask;
     const begin = performance.now();
     try {
       const asked = grower.grow(wanted);

@@ -43,15 +43,18 @@ export class View {
     this.#renderer.setPixelRatio(Math.min(devicePixelRatio, 2));
     this.#renderer.shadowMap.enabled = true;
     this.#renderer.shadowMap.type = THREE.PCFSoftShadowMap;
-    this.#renderer.toneMapping = THREE.ACESFilmicToneMapping;
+    this.#renderer.toneMapping = THREE.NeutralToneMapping;
+    this.#renderer.toneMappingExposure = 1.1;
     this.#sun.castShadow = true;
+    // Leaves let light through.
+    this.#sun.shadow.intensity = 0.7;
     this.#sun.shadow.mapSize.set(2048, 2048);
     this.#ground = new THREE.Mesh(
       new THREE.CircleGeometry(1, 96).rotateX(-Math.PI / 2),
       new THREE.MeshStandardMaterial({ color: 0x8f9a74, roughness: 1 }),
     );
     this.#ground.receiveShadow = true;
-    this.#scene.add(this.#sun, this.#sun.target, new THREE.HemisphereLight(0xcfe0ef, 0x77705c, 1.4), this.#ground);
+    this.#scene.add(this.#sun, this.#sun.target, new THREE.HemisphereLight(0xdfeaf2, 0xa09a80, 2.2), this.#ground);
     this.#controls = new OrbitControls(this.#camera, canvas);
     this.#controls.maxPolarAngle = Math.PI * 0.5;
     this.#controls.addEventListener("change", () => this.redraw());
@@ -146,8 +149,8 @@ export class View {
 
   #frame(box) {
     const size = box.getSize(new THREE.Vector3());
-    const middle = new THREE.Vector3(0, size.y * 0.5, 0);
-    const radius = Math.max(size.y, size.x, size.z) * 0.62;
+    const middle = new THREE.Vector3(0, size.y * 0.46, 0);
+    const radius = Math.max(size.y, size.x, size.z) * 0.66;
     const aspect = Math.min(1, this.#camera.aspect);
     const away = radius / Math.sin((this.#camera.fov * Math.PI) / 360) / aspect;
     const towards = this.#framed

@@ -10,7 +10,7 @@ use treesynth::foliage::Leaves;
 use treesynth::guided::Search;
 use treesynth::presets::{self, Found, Preset, Season};
 use treesynth::species::Species;
-use treesynth::surface::{Sway, Tubes};
+use treesynth::surface::{Material, Mesh, Part, Sway, Tubes};
 use treesynth::{Metrics, Observer, Skeleton, Work};
 
 /// What is asked for; what is left out is the default.
@@ -35,6 +35,8 @@ pub struct Ask {
     pub budget: usize,
     pub textures: u32,
     pub wind: bool,
+    /// Soon there rather than fine: thin tubes without images, and fewer, larger leaves. A file of glb alone.
+    pub preview: bool,
     /// glb, usdz or json.
     pub format: String,
 }
@@ -56,6 +58,7 @@ impl Default for Ask {
             budget: 20_000,
             textures: 256,
             wind: false,
+            preview: false,
             format: "glb".into(),
         }
     }
@@ -86,10 +89,14 @@ pub fn answer(text: &str, progress: Progress<'_>) -> Result<Answer, Box<dyn Erro
         other => return Err(format!("{:?} is neither a species nor a guided preset", other.name()).into()),
     };
     progress(0.95, "file");
-    let parts = tree.asset.parts();
     let mut file = Vec::new();
+    if ask.format == "json" {
+        export::write_skeleton(&tree.skeleton, &mut file)?;
+    }
+    let parts = tree.look.parts();
+    let triangles: u64 = parts.iter().map(Part::triangles).sum();
     match ask.format.as_str() {
-        "json" => export::write_skeleton(&tree.skeleton, &mut file)?,
+        "json" => {}
         "usdz" => export::write_usdz(&UsdStage::of_parts(&parts).with_name(tree.name), &mut file)?,
         _ => export::write_glb_parts(&parts, &GlbOptions::default().with_name(tree.name), &mut file)?,
     }
@@ -102,7 +109,7 @@ pub fn answer(text: &str, progress: Progress<'_>) -> Result<Answer, Box<dyn Erro
         "age": tree.age,
         "branches": metrics.branches,
         "leaves": tree.leaves,
-        "triangles": tree.asset.triangles(),
+        "triangles": triangles,
         "bytes": file.len(),
     });
     Ok(Answer { file, report })
@@ -111,9 +118,53 @@ pub fn answer(text: &str, progress: Progress<'_>) -> Result<Answer, Box<dyn Erro
 struct Tree<'a> {
     name: &'a str,
     skeleton: Skeleton,
-    asset: Asset,
+    look: Look,
     leaves: usize,
     age: Option<f32>,
+}
+
+/// What is seen of it.
+enum Look {
+    Asset(Box<Asset>),
+    Preview(Box<Mesh>, Material, Vec<Leaves>),
+    /// The skeleton alone is asked for.
+    Nothing,
+}
+
+impl Look {
+    fn parts(&self) -> Vec<Part<'_>> {
+        match self {
+            Self::Asset(asset) => asset.parts(),
+            Self::Preview(bark, material, leaves) => {
+                let bark = Part::new(bark).with_material(*material);
+                [bark].into_iter().chain(leaves.iter().map(Leaves::part)).collect()
+            }
+            Self::Nothing => Vec::new(),
+        }
+    }
+}
+
+/// Leaves of a preview at the most.
+const PREVIEW: usize = 4_000;
+
+fn preview<'a>(bark: Mesh, material: Material, leaves: impl Iterator<Item = &'a Leaves>) -> Look {
+    let all: Vec<&Leaves> = leaves.collect();
+    let count: usize = all.iter().map(|leaves| leaves.instances.len()).sum();
+    let step = count.div_ceil(PREVIEW).max(1);
+    // As much leaf area as all have.
+    let larger = (step as f32).sqrt();
+    let few = all.into_iter().map(|leaves| {
+        let mut few = leaves.clone();
+        few.instances = leaves.instances.iter().step_by(step).copied().collect();
+        few.instances.iter_mut().for_each(|leaf| leaf.scale *= larger);
+        few
+    });
+    Look::Preview(Box::new(bark), material, few.filter(|leaves| !leaves.instances.is_empty()).collect())
+}
+
+/// Tubes of few triangles.
+fn thin() -> Tubes {
+    Tubes::default().with_sides(6).with_least_sides(3).with_root_flare(0.0)
 }
 
 fn of_species<'a>(
@@ -146,13 +197,19 @@ fn of_species<'a>(
     progress(0.05, "branches");
     let tree = request.grow()?;
     progress(0.5, "bark and leaves");
-    let levels = |budget| match ask.wind {
-        true => tree.levels_in_wind(Some(budget), ask.textures, &[1.0]),
-        false => tree.levels(Some(budget), ask.textures, &[1.0]),
+    let look = if ask.format == "json" {
+        Look::Nothing
+    } else if ask.preview {
+        preview(tree.bark_mesh(&thin())?, Material::white(), tree.foliage())
+    } else {
+        let mut levels = match ask.wind {
+            true => tree.levels_in_wind(Some(ask.budget), ask.textures, &[1.0])?,
+            false => tree.levels(Some(ask.budget), ask.textures, &[1.0])?,
+        };
+        Look::Asset(Box::new(levels.pop().ok_or("no level")?))
     };
-    let asset = levels(ask.budget)?.pop().ok_or("no level")?;
     let leaves = tree.leaves.as_ref().map_or(0, |leaves| leaves.instances.len());
-    Ok(Tree { name: &species.name, asset, leaves, age: Some(tree.numbers.age), skeleton: tree.skeleton })
+    Ok(Tree { name: &species.name, look, leaves, age: Some(tree.numbers.age), skeleton: tree.skeleton })
 }
 
 /// Makes one number of the progress of graph, stages and radii.
@@ -194,6 +251,23 @@ fn of_preset(
     let skeleton = synth.grow(&mut Search::new(&graph), ask.seed, &watch)?.skeleton.relaxed(0.5, 3)?;
     progress(0.65, "bark and leaves");
     let leaves = preset.foliage(season).map(|foliage| foliage.place(&skeleton, ask.seed)).transpose()?;
+    let look = if ask.format == "json" {
+        Look::Nothing
+    } else if ask.preview {
+        preview(thin().mesh(&skeleton)?, preset.bark(), leaves.iter())
+    } else {
+        Look::Asset(Box::new(preset_asset(ask, preset, &skeleton, leaves.as_slice())?))
+    };
+    let leaves = leaves.as_ref().map_or(0, |leaves: &Leaves| leaves.instances.len());
+    Ok(Tree { name: preset.name, skeleton, look, leaves, age: None })
+}
+
+fn preset_asset(
+    ask: &Ask,
+    preset: &'static Preset,
+    skeleton: &Skeleton,
+    leaves: &[Leaves],
+) -> Result<Asset, Box<dyn Error>> {
     let bark = preset.bark_texture().with_seed(ask.seed).with_resolution(ask.textures);
     let builder = AssetBuilder::default()
         .with_triangles(Some(ask.budget))
@@ -202,10 +276,6 @@ fn of_preset(
         .with_texture_size(ask.textures)
         .with_tubes(Tubes::default().with_square_tiles(true).with_wind(ask.wind))
         .with_bark_of(&bark)?;
-    let mut asset = builder.levels_with(&skeleton, leaves.as_slice(), &[1.0])?.pop().ok_or("no level")?;
-    if ask.wind {
-        asset = asset.in_wind(&Sway::of(&skeleton)?)?;
-    }
-    let leaves = leaves.as_ref().map_or(0, |leaves: &Leaves| leaves.instances.len());
-    Ok(Tree { name: preset.name, skeleton, asset, leaves, age: None })
+    let asset = builder.levels_with(skeleton, leaves, &[1.0])?.pop().ok_or("no level")?;
+    Ok(if ask.wind { asset.in_wind(&Sway::of(skeleton)?)? } else { asset })
 }
