@@ -30,7 +30,7 @@ Examples:
   treesynth grow --species-file my.toml --json | jq .triangles")]
 pub(crate) struct Options {
     /// A species by its English, Latin or other name, or a preset; `treesynth list` has them
-    #[arg(value_parser = text, required_unless_present = "species_file", conflicts_with = "species_file")]
+    #[arg(value_name = "NAME", value_parser = text, required_unless_present = "species_file", conflicts_with = "species_file")]
     name_of_tree: Option<String>,
     /// A species of one's own, from a text as docs/species.md has it
     #[arg(long, value_name = "FILE")]

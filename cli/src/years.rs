@@ -25,7 +25,7 @@ Examples:
   treesynth years growth-15-cottonwood --frames 60 --size 480")]
 pub(crate) struct Options {
     /// One of `treesynth list years`, or what its name ends in
-    #[arg(value_parser = text)]
+    #[arg(value_name = "NAME", value_parser = text)]
     name_of_tree: String,
     /// Age of the model, years, 0 to as long as the tree is grown; fractions are days [default: the last of the preset's]
     #[arg(long, value_name = "YEARS", allow_negative_numbers = true, value_parser = number(0.0..=1000.0_f32, "years"))]
