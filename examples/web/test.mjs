@@ -1,4 +1,5 @@
-// Opens the built page in Chromium: `node test.mjs [--keep DIR]`. CHROMIUM says where it is; Debian's by default.
+// Opens the built page in Chromium: `node test.mjs [--keep DIR]`. CHROMIUM says where it is, Debian's by default; NATIVE
+// is the program `native` if it is built already.
 //
 // The page loads, a slider moves and the picture changes, work is cancelled, a file is saved and is sound, the address has all, a
 // phone's width has no sideways scrolling, each control has a label, and the same seed gives the same bytes as natively.
@@ -109,7 +110,10 @@ try {
     assert.equal(issues.numErrors + issues.numWarnings, 0, JSON.stringify(issues.messages.slice(0, 3)));
     const ask = await page.evaluate(() => document.body.dataset.tree);
     const native = join(out, "native.glb");
-    execFileSync("cargo", ["run", "--profile", "native", "--locked", "--quiet", "--bin", "native", "--", ask, native], { cwd: here, stdio: "inherit" });
+    const [program, ...args] = process.env.NATIVE
+      ? [process.env.NATIVE]
+      : ["cargo", "run", "--profile", "native", "--locked", "--quiet", "--bin", "native", "--"];
+    execFileSync(program, [...args, ask, native], { cwd: here, stdio: "inherit" });
     assert.equal(sum(saved), sum(readFileSync(native)));
   });
 
