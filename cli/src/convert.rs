@@ -182,11 +182,12 @@ impl Options {
     fn points(&self, outputs: &mut Outputs, cloud: &Cloud, kind: Kind) -> Result<String, Failure> {
         let frame = self.frame(cloud.offset());
         outputs.write(&self.output, |writer| {
-            Ok(if kind == Kind::Ply {
-                cloud.write_ply(&frame, PlyEncoding::Little, writer)?
+            if kind == Kind::Ply {
+                cloud.write_ply(&frame, PlyEncoding::Little, writer)?;
             } else {
-                cloud.write_xyz(&frame, writer)?
-            })
+                cloud.write_xyz(&frame, writer)?;
+            }
+            Ok(())
         })?;
         Ok(format!("{} points", cloud.len()))
     }
@@ -221,7 +222,7 @@ impl Options {
         let path = &self.output;
         match format {
             Format::Glb => {
-                outputs.write(path, |w| Ok(export::write_glb_parts(&parts, &GlbOptions::default(), w)?))?
+                outputs.write(path, |w| Ok(export::write_glb_parts(&parts, &GlbOptions::default(), w)?))?;
             }
             Format::Usdz => {
                 let stage = UsdStage::of_parts(&parts).with_axes(axes);
@@ -242,7 +243,7 @@ impl Options {
                 outputs.write(path, |w| Ok(picture.write_png(w)?))?;
             }
         }
-        said += &format!(", {} triangles", mesh.triangles().len());
+        said = format!("{said}, {} triangles", mesh.triangles().len());
         if offset != DVec3::ZERO {
             said += &moved(offset);
         }

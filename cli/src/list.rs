@@ -69,15 +69,13 @@ pub(crate) fn run(options: &Options, common: &Common) -> Result<(), Failure> {
     let known: Vec<Found> = known.collect();
     let value = Value::Array(known.iter().map(entry).collect::<Result<_, _>>()?);
     report::tell(common, &value, || {
-        known
-            .iter()
-            .map(|found| {
-                let [_, command] = Kind::of(found).words();
-                let latin = latin(found);
-                let latin = if latin.is_empty() { String::new() } else { format!("{latin}. ") };
-                format!("{command:7} {:30} {latin}{}\n", found.name(), found.about())
-            })
-            .collect()
+        let lines = known.iter().map(|found| {
+            let [_, command] = Kind::of(found).words();
+            let latin = latin(found);
+            let latin = if latin.is_empty() { String::new() } else { format!("{latin}. ") };
+            format!("{command:7} {:30} {latin}{}", found.name(), found.about())
+        });
+        lines.collect::<Vec<_>>().join("\n")
     })
 }
 

@@ -116,7 +116,7 @@ pub(crate) struct Out {
     /// Leaves in .glb files
     #[arg(long, value_enum, default_value = "merged", value_name = "FORM")]
     pub(crate) instances: Instances,
-    /// Levels in .glb files as nodes named NAME_LOD0 and so on, as Unity, Unreal and Godot take them, not by `MSFT_lod`
+    /// Levels in .glb files as nodes named `NAME_LOD0` and so on, as Unity, Unreal and Godot take them, not by `MSFT_lod`
     #[arg(long)]
     pub(crate) lod_names: bool,
     /// Round the vertices of .glb files: a third smaller, for readers of `KHR_mesh_quantization`

@@ -114,15 +114,15 @@ pub(crate) fn run(options: &Options, common: &Common) -> Result<(), Failure> {
     if count > 0 {
         bar.parts("drawing years", u64::from(count));
         let preview = framed(oldest - 0.4)?;
-        let mut frames = Vec::new();
+        let mut drawn = Vec::new();
         for frame in 0..count {
             // From the first summer to the last; with one frame a year it is always summer.
             let age = 0.6 + (oldest - 1.0) * frame as f32 / (count - 1) as f32;
-            frames.push(draw(&preview, age)?);
+            drawn.push(draw(&preview, age)?);
             bar.done(u64::from(frame) + 1);
         }
         let path = outputs.path(&format!("{name}.apng"));
-        write_animation(&mut outputs, &path, &frames, (10_000 / count).clamp(40, 400) as u16)?;
+        write_animation(&mut outputs, &path, &drawn, (10_000 / count).clamp(40, 400) as u16)?;
         files.push(path);
     }
     outputs.finish()?;

@@ -5,6 +5,7 @@ mod common;
 use common::{Run, World, cube, heart};
 use serde_json::Value;
 use std::collections::BTreeSet;
+use std::fmt::Write;
 
 #[test]
 fn everything_is_listed_for_people_and_for_programs() {
@@ -237,9 +238,11 @@ fn points_are_thinned_and_made_a_tree() {
     for ring in 0..300 {
         for side in 0..24 {
             let angle = f64::from(side) * std::f64::consts::TAU / 24.0;
-            let (x, y) =
-                (478_123.0 + 0.1 * libm_cos(angle), 5_429_876.0 + 0.1 * libm_cos(angle - 1.570_796_3));
-            text += &format!("{x:.4} {y:.4} {:.4}\n", 211.0 + f64::from(ring) * 0.01);
+            let (x, y) = (
+                478_123.0 + 0.1 * libm_cos(angle),
+                5_429_876.0 + 0.1 * libm_cos(angle - std::f64::consts::FRAC_PI_2),
+            );
+            writeln!(text, "{x:.4} {y:.4} {:.4}", 211.0 + f64::from(ring) * 0.01).unwrap();
         }
     }
     std::fs::write(world.path("scan.xyz"), &text).unwrap();
