@@ -39,6 +39,7 @@ const SAMPLES: usize = 3;
 #[must_use]
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
+#[doc(alias("imposter", "billboard"))]
 pub struct Impostor {
     planes: u32,
     lying: bool,

@@ -19,6 +19,7 @@ impl AssetBuilder {
     /// # Errors
     /// Shares that are not 1 to 8 numbers in (0, 1], each less than the one before; otherwise as [`build`](Self::build). A
     /// last level that would be too small for the trunk is an error too.
+    #[doc(alias("LOD", "level of detail"))]
     pub fn levels(&self, skeleton: &Skeleton, seed: u64, shares: &[f32]) -> Result<Vec<Asset>, AssetError> {
         self.levels_observed(skeleton, seed, shares, &Silent)
     }

@@ -22,6 +22,7 @@ use std::f32::consts::TAU;
 #[must_use]
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
+#[doc(alias = "needle")]
 pub struct Leaf {
     mesh: Mesh,
     material: Material,

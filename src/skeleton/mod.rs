@@ -30,6 +30,7 @@ use glam::Vec3;
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(feature = "serde", serde(try_from = "Parts", into = "Parts"))]
+#[doc(alias("branch", "tree", "trunk"))]
 pub struct Skeleton {
     positions: Vec<Vec3>,
     /// The root's entry is 0.

@@ -57,6 +57,7 @@ impl Specimen {
     ///
     /// # Errors
     /// As [`AssetBuilder::levels`], and a side that no bark can have.
+    #[doc(alias = "LOD")]
     pub fn levels(
         &self,
         triangles: Option<usize>,

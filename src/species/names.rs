@@ -68,6 +68,30 @@ pub fn all() -> &'static [Species] {
 ///
 /// # Errors
 /// No species of that name; the error lists near ones.
+#[doc(alias(
+    "acacia",
+    "apple",
+    "ash",
+    "beech",
+    "birch",
+    "cherry",
+    "chestnut",
+    "cypress",
+    "elm",
+    "eucalyptus",
+    "fir",
+    "hazel",
+    "linden",
+    "maple",
+    "oak",
+    "palm",
+    "pine",
+    "poplar",
+    "spruce",
+    "sycamore",
+    "walnut",
+    "willow"
+))]
 pub fn by_name(name: &str) -> Result<&'static Species, UnknownSpecies> {
     let wanted = plain(name);
     let found = all().iter().find(|species| names(species).any(|known| plain(known) == wanted));

@@ -32,6 +32,7 @@ const USUAL: usize = 4;
 #[must_use]
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
+#[doc(alias("LOD", "level of detail"))]
 pub struct Levels {
     tubes: Tubes,
     count: u32,

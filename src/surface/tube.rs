@@ -61,6 +61,7 @@ const MOST_WIDENING: f32 = 1.3;
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
 #[expect(clippy::struct_excessive_bools, reason = "each is an option of its own")]
+#[doc(alias("branch", "trunk", "cylinder"))]
 pub struct Tubes {
     sides: u32,
     least_sides: u32,

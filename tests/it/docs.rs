@@ -46,3 +46,52 @@ fn every_page_of_the_guide_can_be_found() {
     }
     assert!(readme.lines().count() < 250, "{} lines", readme.lines().count());
 }
+
+/// The text of all files of the library.
+fn sources(folder: &Path, text: &mut String) {
+    for entry in fs::read_dir(folder).expect("a folder of sources") {
+        let path = entry.expect("a file").path();
+        if path.is_dir() {
+            sources(&path, text);
+        } else if path.extension().is_some_and(|ending| ending == "rs") {
+            text.push_str(&fs::read_to_string(path).expect("UTF-8"));
+        }
+    }
+}
+
+#[test]
+fn rustdoc_finds_the_words_that_people_look_for() {
+    let mut text = String::new();
+    sources(&Path::new(env!("CARGO_MANIFEST_DIR")).join("src"), &mut text);
+    let words = [
+        "oak",
+        "birch",
+        "palm",
+        "bark",
+        "leaf",
+        "LOD",
+        "wind",
+        "imposter",
+        "impostor",
+        "billboard",
+        "branch",
+        "trunk",
+        "forest",
+        "skeleton",
+        "glb",
+        "usdz",
+    ];
+    for word in words {
+        let is_alias = text.lines().any(|line| {
+            line.trim_start().starts_with("#[doc(alias") && line.contains(&format!("\"{word}\""))
+        });
+        // rustdoc finds parts of names, too.
+        let is_name = text.lines().any(|line| {
+            let mut rest = line.trim_start().split_whitespace();
+            let is_item = rest.next() == Some("pub")
+                && matches!(rest.next(), Some("fn" | "struct" | "enum" | "mod" | "trait"));
+            is_item && rest.next().is_some_and(|name| name.to_lowercase().contains(&word.to_lowercase()))
+        });
+        assert!(is_alias || is_name, "{word} finds nothing");
+    }
+}

@@ -36,6 +36,7 @@ pub enum Instancing {
     serde(rename_all = "snake_case", deny_unknown_fields)
 )]
 #[non_exhaustive]
+#[doc(alias("LOD", "MSFT_lod"))]
 pub enum LevelNodes {
     /// `MSFT_lod`: a program that does not know the extension shows the finest level alone.
     #[default]

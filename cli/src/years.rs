@@ -1,0 +1,185 @@
+//! `years`: a tree over the years.
+
+use crate::arguments::Common;
+use crate::clothe::{Clothes, Model, triangles};
+use crate::failure::refused;
+use crate::number::{number, text};
+use crate::progress::Bar;
+use crate::wish::stem;
+use crate::write::{Out, Tree, write_animation};
+use crate::{Failure, report};
+use clap::Args;
+use serde_json::json;
+use treesynth::foliage::{Leaf, Leaves};
+use treesynth::growth::{Growth, TreeAtAge};
+use treesynth::presets::{self, Found, Grown};
+use treesynth::preview::{Camera, Picture, Preview};
+use treesynth::surface::{Mesh, Part, Tubes};
+
+/// Grow a tree over the years: a model of one age, a sheet of several, an animation
+#[derive(Args)]
+#[command(after_help = "\
+Examples:
+  treesynth years cottonwood
+  treesynth years cottonwood --age 12.5 --frames 0 --format glb,usdz
+  treesynth years growth-15-cottonwood --frames 60 --size 480")]
+pub(crate) struct Options {
+    /// One of `treesynth list years`, or what its name ends in
+    #[arg(value_name = "NAME", value_parser = text)]
+    name_of_tree: String,
+    /// Age of the model, years, 0 to as long as the tree is grown; fractions are days [default: the last of the preset's]
+    #[arg(long, value_name = "YEARS", allow_negative_numbers = true, value_parser = number(0.0..=1000.0_f32, "years"))]
+    age: Option<f32>,
+    /// Seed, 0 to 18446744073709551615 [default: the preset's]
+    #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = number(0..=u64::MAX, ""))]
+    seed: Option<u64>,
+    /// Pictures of the animation NAME.apng, 2 to 1000, or 0 for none [default: one a year]
+    #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = number(0..=1000_u32, "pictures"))]
+    frames: Option<u32>,
+    /// No sheet of several ages, NAME-sheet.png
+    #[arg(long)]
+    no_sheet: bool,
+    #[command(flatten, next_help_heading = "Model")]
+    clothes: Clothes,
+    #[command(flatten, next_help_heading = "Files")]
+    out: Out,
+}
+
+pub(crate) fn run(options: &Options, common: &Common) -> Result<(), Failure> {
+    options.clothes.check()?;
+    let preset = options.preset()?;
+    if options.frames == Some(1) {
+        return Err(refused("--frames is 1, but must be 2 to 1000 pictures, or 0"));
+    }
+    let seed = options.seed.unwrap_or(preset.seed);
+    let growth = preset.grow(seed)?;
+    let oldest = f32::from(growth.years());
+    let last = preset.ages.last().copied().unwrap_or(oldest).min(oldest);
+    let age = options.age.unwrap_or(last);
+    if age > oldest {
+        return Err(refused(format!("--age is {age}, but must be 0 to {oldest} years for {}", preset.name)));
+    }
+    let look = Look::at(preset, &growth, age, 8)?;
+    if look.stand.skeleton.segments() == 0 {
+        return Err(refused(format!(
+            "--age is {age}, but nothing has sprouted then: there is no model of it"
+        )));
+    }
+    let mut outputs = options.out.outputs()?;
+    let bar = Bar::new(common.quiet);
+    let name = options.out.name.clone().unwrap_or_else(|| stem(preset.name));
+    bar.step("bark, leaves and levels");
+    let dress: Vec<Leaves> = look.leaves.iter().chain([&look.buds]).cloned().collect();
+    let skeleton = &look.stand.skeleton;
+    let images = preset.bark_texture().with_seed(seed);
+    let model = if options.out.has_triangles() {
+        options.clothes.dressed(skeleton, &dress, preset.bark(), Some(images))?
+    } else {
+        Model::none()
+    };
+    let height = treesynth::metrics::height(skeleton) as f32;
+    let (levels, coverages) = (model.levels(), model.coverages(height));
+    bar.step("writing the model");
+    let tree = Tree { levels: &levels, coverages: &coverages, skeleton, bark: preset.bark() };
+    let mut files = options.out.tree(&mut outputs, &name, &tree)?;
+
+    // All pictures are framed as the oldest tree is, so that it is the tree that grows and not the picture.
+    let size = options.out.size.min(1024);
+    let framed = |oldest: f32| -> Result<Preview, Failure> {
+        let oldest = Look::at(preset, &growth, oldest, 4)?;
+        let camera = Camera::default().with_frame(oldest.mesh.bounds().ok_or("nothing has sprouted yet")?);
+        Ok(Preview::default().with_camera(camera).with_size(size * 3 / 4, size).with_ground_height(0.0))
+    };
+    let draw = |preview: &Preview, age: f32| -> Result<Picture, Failure> {
+        let look = Look::at(preset, &growth, age, 5)?;
+        let mut picture = preview.draw_parts(&look.parts(preset))?;
+        picture.label(&format!("{age:.1} years"), 8, 8, 1 + size / 400, [70, 70, 70]);
+        Ok(picture)
+    };
+    if !options.no_sheet {
+        let ages: Vec<f32> = preset.ages.iter().copied().filter(|&age| age <= oldest).collect();
+        bar.parts("drawing ages", ages.len() as u64);
+        let preview = framed(last)?;
+        let mut pictures = Vec::new();
+        for &age in &ages {
+            pictures.push(draw(&preview, age)?);
+            bar.done(pictures.len() as u64);
+        }
+        let sheet = Picture::sheet(&pictures, ages.len() as u32, 4, [255; 3])?;
+        let path = outputs.path(&format!("{name}-sheet.png"));
+        outputs.write(&path, |writer| Ok(sheet.write_png(writer)?))?;
+        files.push(path);
+    }
+    let count = options.frames.unwrap_or_else(|| u32::from(growth.years()).max(2));
+    if count > 0 {
+        bar.parts("drawing years", u64::from(count));
+        let preview = framed(oldest - 0.4)?;
+        let mut drawn = Vec::new();
+        for frame in 0..count {
+            // From the first summer to the last; with one frame a year it is always summer.
+            let age = 0.6 + (oldest - 1.0) * frame as f32 / (count - 1) as f32;
+            drawn.push(draw(&preview, age)?);
+            bar.done(u64::from(frame) + 1);
+        }
+        let path = outputs.path(&format!("{name}.apng"));
+        write_animation(&mut outputs, &path, &drawn, (10_000 / count).clamp(40, 400) as u16)?;
+        files.push(path);
+    }
+    outputs.finish()?;
+    let milliseconds = bar.finish();
+    let leaves: usize = look.leaves.iter().map(|tone| tone.instances.len()).sum();
+    let value = json!({
+        "name": preset.name,
+        "seed": seed,
+        "age": age,
+        "oldest": oldest,
+        "internodes": look.stand.skeleton.segments(),
+        "leaves": leaves,
+        "triangles": triangles(&levels),
+        "files": files,
+        "milliseconds": milliseconds,
+    });
+    report::tell(common, &value, || {
+        let files: Vec<String> = files.iter().map(|file| file.display().to_string()).collect();
+        format!(
+            "{}, seed {seed}: at {age} of {oldest} years {} internodes and {leaves} leaves, {milliseconds:.0} ms\n{}",
+            preset.name,
+            look.stand.skeleton.segments(),
+            files.join("\n"),
+        )
+    })
+}
+
+impl Options {
+    /// By its whole name, or by what it ends in; the drawings in the plane are those of a figure.
+    fn preset(&self) -> Result<&'static Grown, Failure> {
+        let ending = format!("-{}", self.name_of_tree.to_lowercase());
+        match presets::grown().find(|preset| !preset.planar && preset.name.ends_with(&ending)) {
+            Some(preset) => Ok(preset),
+            None => presets::by_name(&self.name_of_tree).and_then(Found::grown).map_err(refused),
+        }
+    }
+}
+
+/// A tree of one age, to be drawn and written.
+struct Look {
+    stand: TreeAtAge,
+    mesh: Mesh,
+    leaves: Vec<Leaves>,
+    buds: Leaves,
+}
+
+impl Look {
+    fn at(preset: &Grown, growth: &Growth, age: f32, sides: u32) -> Result<Self, Failure> {
+        let stand = growth.at(age)?;
+        let mesh = Tubes::default().with_sides(sides).mesh(&stand.skeleton)?;
+        let buds = Leaves::buds(&stand, &Leaf::bud());
+        Ok(Self { mesh, leaves: preset.leaves(&stand), buds, stand })
+    }
+
+    fn parts(&self, preset: &Grown) -> Vec<Part<'_>> {
+        let bark = Part::new(&self.mesh).with_material(preset.bark());
+        let leaves = self.leaves.iter().map(Leaves::part);
+        [bark].into_iter().chain(leaves).chain([self.buds.part().with_name("buds")]).collect()
+    }
+}

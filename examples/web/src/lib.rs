@@ -1,0 +1,12 @@
+//! What the page asks of the library: a list of trees with what can be set on them, and one tree as a file.
+//!
+//! The functions below `module` are all that the WebAssembly module exports; the rest is plain Rust, which the program
+//! `native` calls too, so that a test can compare the bytes.
+
+mod ask;
+mod list;
+#[cfg(target_arch = "wasm32")]
+mod module;
+
+pub use ask::{Answer, Ask, Progress, answer};
+pub use list::list;
