@@ -93,7 +93,7 @@ pub enum ExportError {
 
 impl From<std::io::Error> for ExportError {
     fn from(error: std::io::Error) -> Self {
-        if error.get_ref().is_some_and(|inner| inner.is::<Cancelled>()) {
+        if matches!(error.get_ref(), Some(inner) if inner.is::<Cancelled>()) {
             Self::Cancelled
         } else {
             Self::Io(error)

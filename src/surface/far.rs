@@ -194,8 +194,12 @@ struct Around {
 impl Around {
     fn new(vertices: usize, indices: &[u32]) -> Self {
         let mut starts = vec![0u32; vertices + 1];
-        indices.iter().for_each(|&vertex| starts[vertex as usize + 1] += 1);
-        (0..vertices).for_each(|vertex| starts[vertex + 1] += starts[vertex]);
+        for &vertex in indices {
+            starts[vertex as usize + 1] += 1;
+        }
+        for vertex in 0..vertices {
+            starts[vertex + 1] += starts[vertex];
+        }
         let mut free = starts.clone();
         let mut triangles = vec![0; indices.len()];
         for (corner, &vertex) in indices.iter().enumerate() {

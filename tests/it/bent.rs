@@ -52,7 +52,7 @@ fn tried(
             assert!(!error.is_empty() && error.len() < 1000, "{what}({value:?}): {error}");
             Some(error)
         }
-        Err(_) => panic!("{what}({value:?}) panics"),
+        Err(panic) => panic!("{what}({value:?}) panics: {panic:?}"),
     }
 }
 
@@ -308,9 +308,8 @@ fn around(node: usize) -> Vec3 {
     Vec3::new(cos * across, z, sin * across)
 }
 
-/// Names and skeletons that nobody means to make.
-fn odd() -> Vec<(&'static str, Skeleton)> {
-    let many = 100_000;
+/// Names and skeletons that nobody means to make, the largest of `many` nodes.
+fn odd(many: usize) -> Vec<(&'static str, Skeleton)> {
     let before = |node: usize| node - 1;
     let wound = |node: usize| {
         let (sin, cos) = (node as f32 * 0.01).sin_cos();
@@ -351,7 +350,7 @@ fn odd() -> Vec<(&'static str, Skeleton)> {
 
 #[test]
 fn odd_skeletons_through_every_surface() {
-    for (name, tree) in &odd() {
+    for (name, tree) in &odd(10_000) {
         tried("Tubes", name, || sound(Tubes::default().with_wind(true).with_closed_base(true).mesh(tree)));
         // Gigabytes of what is just allowed are no test.
         let fine = Tubes::default().with_error(if tree.len() > 10_000 { 1e-3 } else { 1e-6 });
@@ -382,7 +381,7 @@ fn tubes_of_gigabytes_are_refused_with_their_number() {
 #[test]
 fn odd_skeletons_through_every_measure() {
     let region = Cuboid::new(Vec3::splat(-3.0), Vec3::splat(3.0));
-    for (name, tree) in &odd() {
+    for (name, tree) in &odd(100_000) {
         tried("Metrics", name, || {
             let metrics = Metrics::of(tree);
             assert!(!format!("{metrics:?}").is_empty());
@@ -407,7 +406,7 @@ fn odd_skeletons_through_every_measure() {
 
 #[test]
 fn odd_skeletons_through_every_exporter() {
-    for (name, tree) in &odd() {
+    for (name, tree) in &odd(100_000) {
         tried("SVG", name, || done(write_svg(tree, &SvgOptions::default(), std::io::sink())));
         // Text of a hundred thousand branches takes long in tests.
         let tubes = Tubes::default().with_sides(3).with_least_sides(3);
@@ -432,7 +431,7 @@ fn odd_skeletons_through_every_picture() {
     use treesynth::Silent;
     use treesynth::preview::{Preview, RayCaster};
     let small = Preview::default().with_size(24, 24);
-    for (name, tree) in &odd() {
+    for (name, tree) in &odd(10_000) {
         tried("Preview", name, || {
             let level = Tubes::default().within(tree, 30_000).map_err(|error| error.to_string())?;
             done(small.draw(&level.mesh))

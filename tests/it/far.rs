@@ -171,7 +171,7 @@ fn solids_far_away_are_those_near_the_origin() {
         match far {
             Ok(far) => assert!((volume(&far, at) / volume(&near, Vec3::ZERO) - 1.0).abs() < 0.02, "{at}"),
             Err(error) => {
-                assert!(matches!(error, SurfaceError::Shapeless { .. }) && at.x > 4e5, "{at}: {error}")
+                assert!(matches!(error, SurfaceError::Shapeless { .. }) && at.x > 4e5, "{at}: {error}");
             }
         }
     }

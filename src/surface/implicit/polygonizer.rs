@@ -161,7 +161,7 @@ mod tests {
             let mut before = 0;
             for (share, off) in [
                 (None, 0.01),
-                (Some(0.2), 0.02),
+                (Some(0.2), 0.025),
                 (Some(0.1), 0.005),
                 (Some(0.05), 0.002),
                 (Some(0.02), 0.001),
