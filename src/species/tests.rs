@@ -328,7 +328,9 @@ fn trees_are_as_wished_for() -> Result<(), Box<dyn Error>> {
             assert!((top / height - 1.0).abs() < 0.01, "{name}: {top} m for {height} m");
             assert!((tree.numbers.height - top).abs() < 1e-3);
             let floor = tree.skeleton.positions().iter().fold(0.0f32, |floor, place| floor.min(place.y));
-            assert!(floor >= 0.0, "{name}: a node {floor} m high");
+            // What joins the stems of a shrub is in the ground.
+            let least = if species.trunk.stems[1] > 1.0 { -0.07 } else { 0.0 };
+            assert!(floor >= least, "{name}: a node {floor} m high");
         }
         let [thin, thick] = species.size.diameter;
         for (seed, part) in [(4, 0.05), (5, 0.15)] {
@@ -542,9 +544,9 @@ fn a_few_trees_are_pinned() -> Result<(), Box<dyn Error>> {
     Ok(())
 }
 const PINNED: [u64; 5] = [
-    5_550_886_764_353_559_521,
-    5_569_327_459_333_709_865,
-    2_436_095_927_829_343_505,
-    16_584_895_027_756_445_903,
-    12_749_893_753_207_783_376,
+    10_081_165_560_819_465_504,
+    8_078_980_922_826_744_240,
+    14_456_027_549_222_964_288,
+    2_259_080_470_908_001_596,
+    11_028_908_302_636_536_488,
 ];
