@@ -2,56 +2,28 @@
 //! outline of its crown; then the shoots in deepest shade die.
 
 use super::SpeciesError;
-use super::data::{Laterals, Species, Stand};
+use super::data::{Laterals, Species};
 use super::draw::Draw;
+use super::growing::{GOLDEN, Growing, MOST_NODES, Stem};
 use super::outline::Outline;
 use super::request::Numbers;
 use super::shade;
-use super::wood::{Axis, Course, Rank, Wood, frame};
+use super::wood::{Axis, Course, Rank, Wood};
 use crate::math;
 use glam::Vec3;
-use std::f32::consts::{PI, TAU};
+use std::f32::consts::TAU;
 
-/// The golden angle.
-const GOLDEN: f32 = 2.399_963_2;
 /// Above so many usual diameters, laterals stand farther apart.
 const HUGE: f32 = 2.5;
 /// The part of a crown's height in which its leader bears shoots.
 const LEADER: f32 = 0.14;
-/// Where a limb forks, as parts of its way.
-const FORK: [f32; 2] = [0.22, 0.62];
-/// How often what has forked forks again.
-const FORKINGS: u16 = 3;
-/// The part of its way to the crown's outline that a fork must have, as a share of the crown's radius.
-const SHORTEST_FORK: f32 = 0.3;
 /// How deep below the ground the stems of one tree are joined, metres.
 const STOOL: f32 = 0.06;
-/// Most nodes of a tree.
-const MOST_NODES: usize = 3_000_000;
-
 /// Settings for the growth of one tree: the width of its outline, the density of its shoots.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Scale {
     pub(super) radius: f32,
     pub(super) density: f32,
-}
-
-struct Growing<'a> {
-    species: &'a Species,
-    /// Factor on the distance of laterals in the tables: huge trees keep fewer.
-    coarse: f32,
-    outline: Outline,
-    density: f32,
-    wood: Wood,
-}
-
-/// One stem: an axis, where its limbs begin, and where it ends.
-struct Stem {
-    axis: Axis,
-    base: f32,
-    /// The height up to which it bears limbs.
-    end: f32,
-    order: u16,
 }
 
 /// The wood of a tree.
@@ -115,26 +87,6 @@ pub(super) fn grow(species: &Species, plan: &Numbers, scale: Scale, seed: u64) -
         return Err(SpeciesError::TooMany { species, what, most: MOST_NODES, field, value });
     }
     Ok(shade::shed(growing.wood, species.crown.shed, draw.child(5, 0)))
-}
-
-/// The way of a limb.
-#[derive(Debug, Clone, Copy)]
-struct Way {
-    node: u32,
-    /// From the vertical, radians, at its start.
-    pitch: f32,
-    azimuth: f32,
-    /// Upward turn at its middle and at its end, radians.
-    mid: f32,
-    end: f32,
-    length: f32,
-    order: u16,
-}
-
-/// The direction at an angle to the vertical, towards an azimuth.
-fn heading(pitch: f32, azimuth: f32) -> Vec3 {
-    let ((sp, cp), (sa, ca)) = (math::sin_cos(pitch), math::sin_cos(azimuth));
-    Vec3::new(sp * ca, cp, sp * sa)
 }
 
 impl Stem {
@@ -269,119 +221,6 @@ impl Growing<'_> {
         }
     }
 
-    fn limb(
-        &mut self,
-        stem: &Stem,
-        height: f32,
-        azimuth: f32,
-        vigor: f32,
-        fork: bool,
-        mut draw: Draw,
-    ) -> Axis {
-        let species = self.species;
-        let table = &species.limbs;
-        let nodes = &stem.axis.nodes;
-        let node = nodes.partition_point(|&node| self.wood.at(node).y <= height + 1e-4);
-        let node = nodes[node.saturating_sub(1).max(1.min(nodes.len() - 1))];
-        let from = self.wood.at(node);
-        let share = self.outline.share(from.y);
-        let lerp = |[low, high]: [f32; 2]| (low + (high - low) * share).to_radians();
-        let base = if fork { species.trunk.fork_angle.to_radians() } else { lerp(table.angle) };
-        let base = base + table.angle_spread.to_radians() * draw.normal();
-        let (mid, end) = (lerp(table.rise), lerp(table.rise_at_end));
-        let length = if table.length[1] > 0.0 {
-            draw.within(table.length) * vigor
-        } else {
-            let most = 2.5 * self.outline.radius() + 0.6 * self.outline.top();
-            let mean = heading(base - 0.6 * mid - 0.15 * end, azimuth);
-            self.outline.way_out(from, mean, most) * vigor
-        };
-        let length = length.max(1.5 * species.shoots.length);
-        let way = Way { node, pitch: base, azimuth, mid, end, length, order: stem.order + 1 };
-        self.run(&way, draw)
-    }
-
-    /// Limbs that leave a limb on its way, as strong as it is: each a fork of its own.
-    fn forks(&mut self, number: usize, mut draw: Draw, limbs: &mut Vec<Axis>) {
-        let table = &self.species.limbs;
-        let limb = &limbs[number];
-        let order = self.wood.orders[limb.nodes[limb.nodes.len() - 1] as usize];
-        let shortest = SHORTEST_FORK * self.outline.radius();
-        if table.forks <= 0.0 || order > FORKINGS || limb.length < shortest || limb.nodes.len() < 4 {
-            return;
-        }
-        // Long limbs fork most.
-        let count = table.forks * (limb.length / self.outline.radius().max(shortest)).min(1.5);
-        let count = (count + draw.unit()).floor() as usize;
-        let side = if draw.unit() < 0.5 { 1.0 } else { -1.0 };
-        let stations: Vec<(u32, Vec3)> = (0..count)
-            .map(|i| {
-                let [from, to] = FORK;
-                let share = from + (to - from) * (i as f32 + draw.unit()) / count as f32;
-                limb.station(&self.wood, share)
-            })
-            .collect();
-        for (i, (node, direction)) in stations.into_iter().enumerate() {
-            let mut draw = draw.child(1, i);
-            // In turn to both sides, and a little up or down.
-            let side = if i % 2 == 0 { side } else { -side };
-            let apart = (table.forks_angle + table.angle_spread * draw.normal()).to_radians();
-            let level = (direction.x * direction.x + direction.z * direction.z).sqrt();
-            let pitch = math::atan2(level, direction.y);
-            // The same angle is more of a turn, the steeper the limb is.
-            let azimuth = math::atan2(direction.z, direction.x) + side * apart / level.max(0.35);
-            let pitch = pitch + 0.35 * apart * draw.normal();
-            let from = self.wood.at(node);
-            let most = 2.0 * self.outline.radius() + 0.4 * self.outline.top();
-            let length = self.outline.way_out(from, heading(pitch, azimuth), most);
-            let length = length * (1.0 - 0.5 * table.unequal * draw.unit());
-            if length < shortest {
-                continue;
-            }
-            let share = self.outline.share(from.y);
-            let [low, high] = table.rise_at_end;
-            let end = 0.6 * (low + (high - low) * share).to_radians();
-            let order = self.wood.orders[node as usize] + 1;
-            let way = Way { node, pitch, azimuth, mid: 0.3 * end, end, length, order };
-            let axis = self.run(&way, draw);
-            limbs.push(axis);
-        }
-    }
-
-    /// A limb on its way.
-    fn run(&mut self, way: &Way, mut draw: Draw) -> Axis {
-        let Way { node, pitch, azimuth, mid, end, length, order } = *way;
-        let step = self.species.branches.spacing.clamp(length / 60.0, length / 4.0);
-        let steps = (length / step).round().clamp(2.0, 80.0);
-        let step = length / steps;
-        let wander = self.species.limbs.crooked.to_radians() * step.sqrt();
-        let (mut turned, mut dipped) = (0.0f32, 0.0f32);
-        let (mut drift, mut sink) = (0.0f32, 0.0f32);
-        // A limb that was turned aside comes back to its way within a part of its length, and makes no hoops.
-        let back = 1.0 - (6.0 / steps).min(0.25);
-        let (mut at, mut nodes) = (self.wood.at(node), vec![node]);
-        for i in 0..steps as usize {
-            let t = (i as f32 + 0.5) / steps;
-            let rise = if t < 0.5 { mid * 2.0 * t } else { mid + (end - mid) * (2.0 * t - 1.0) };
-            drift = drift * 0.6 + wander * draw.normal();
-            sink = sink * 0.6 + wander * draw.normal();
-            turned = (turned + drift) * back;
-            dipped = (dipped + sink) * back;
-            let pitch = (pitch - rise + dipped).clamp(-PI, PI);
-            let next = at + heading(pitch, azimuth + turned) * step;
-            if next.y < 0.3 {
-                break;
-            }
-            at = next;
-            let parent = nodes.last().copied().unwrap_or(node);
-            nodes.push(self.wood.push(at, parent, order, Rank::Limb));
-        }
-        let length = step * (nodes.len() - 1) as f32;
-        let axis = Axis { nodes, length, draw: draw.child(13, 0) };
-        self.end_shoot(&axis, order);
-        axis
-    }
-
     /// Branches or twigs along what bears them.
     fn laterals(&mut self, axis: &Axis, table: &Laterals, bare: f32, rank: Rank, found: &mut Vec<Axis>) {
         if table.ratio <= 0.0 || axis.nodes.len() < 2 {
@@ -434,104 +273,5 @@ impl Growing<'_> {
             this.end_shoot(&axis, course.order);
             found.push(axis);
         });
-    }
-
-    fn shoots(&mut self, axis: &Axis, bare: f32) {
-        let shoots = &self.species.shoots;
-        let mut number = 0;
-        let angle = shoots.angle.to_radians();
-        let spacing = shoots.spacing / self.density;
-        self.stations(axis, shoots.stand, spacing, bare, |this, node, direction, outward, _| {
-            let mut draw = axis.draw.child(20, number);
-            number += 1;
-            let (sin, cos) = math::sin_cos(angle + 0.2 * draw.normal());
-            this.shoot(node, direction * cos + outward * sin, draw);
-        });
-    }
-
-    /// Calls `add(node, direction, outward, share of the way)` for each lateral along an axis.
-    fn stations(
-        &mut self,
-        axis: &Axis,
-        stand: Stand,
-        spacing: f32,
-        bare: f32,
-        mut add: impl FnMut(&mut Self, u32, Vec3, Vec3, f32),
-    ) {
-        if self.wood.positions.len() > MOST_NODES {
-            return;
-        }
-        let mut draw = axis.draw.child(15, 0);
-        let spacing = spacing * self.coarse;
-        let flat = match axis.nodes.last().map(|&node| self.wood.ranks[node as usize]) {
-            Some(Rank::Limb) => self.species.branches.flat,
-            _ => self.species.twigs.flat,
-        };
-        let start = draw.unit() * TAU;
-        let mut at = axis.length * bare + spacing * draw.unit();
-        let mut station = 0;
-        while at < axis.length * 0.995 && self.wood.positions.len() <= MOST_NODES {
-            let share = at / axis.length;
-            let (node, direction) = axis.station(&self.wood, share);
-            let (side, normal) = frame(direction, &mut draw);
-            let turn = station as f32;
-            let (count, first, apart, flat) = match stand {
-                Stand::Spiral => (1, start + turn * GOLDEN, 0.0, flat),
-                Stand::TwoRanked => (1, turn * PI, 0.0, flat.max(0.8)),
-                Stand::Decussate => (2, start + turn * PI / 2.0, PI, flat),
-                Stand::Paired => (2, 0.0, PI, flat.max(0.8)),
-                Stand::Whorled => (4, start + turn * 1.1, PI / 2.0, flat),
-            };
-            for i in 0..count {
-                let around = first + apart * i as f32 + 0.35 * draw.normal();
-                let (sin, cos) = math::sin_cos(around);
-                let outward = (side * cos + normal * sin * (1.0 - flat)).normalize_or(side);
-                add(self, node, direction, outward, share);
-            }
-            station += 1;
-            at += spacing * draw.within([0.6, 1.4]) * if count > 2 { 3.0 } else { count as f32 };
-        }
-    }
-
-    /// The shoot that an axis goes on in.
-    fn end_shoot(&mut self, axis: &Axis, order: u16) {
-        let last = axis.nodes.len() - 1;
-        let direction = axis.direction(&self.wood, last);
-        let mut draw = axis.draw.child(21, 0);
-        let length = self.species.shoots.length * draw.factor(self.species.shoots.length_spread * 0.6);
-        self.extend(axis.nodes[last], direction, length, order, draw);
-    }
-
-    fn shoot(&mut self, node: u32, direction: Vec3, mut draw: Draw) {
-        let shoots = &self.species.shoots;
-        let length = if draw.unit() < shoots.short {
-            shoots.short_length * draw.factor(0.35)
-        } else {
-            shoots.length * draw.factor(shoots.length_spread).min(4.0)
-        };
-        let order = self.wood.orders[node as usize] + 1;
-        self.extend(node, direction.normalize_or(Vec3::Y), length, order, draw);
-    }
-
-    fn extend(&mut self, node: u32, direction: Vec3, length: f32, order: u16, draw: Draw) {
-        let shoots = &self.species.shoots;
-        let step = if length > 0.25 {
-            0.12
-        } else if length > 0.06 {
-            length * 0.5
-        } else {
-            length
-        };
-        let course = Course {
-            base: node,
-            direction,
-            length,
-            step,
-            order,
-            rank: Rank::Shoot,
-            rise: shoots.rise,
-            crooked: 0.25,
-        };
-        course.grow(&mut self.wood, draw);
     }
 }

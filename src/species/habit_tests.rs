@@ -60,8 +60,7 @@ fn limbs_keep_to_their_way() -> Result<(), Box<dyn Error>> {
 #[test]
 fn leaders_are_clothed() -> Result<(), Box<dyn Error>> {
     let leads = |trunk: &Trunk| trunk.leader >= 1.0 && trunk.stems[1] <= 1.0;
-    for species in all().iter().filter(|species| leads(&species.trunk) && species.shoots.spacing < 1.0)
-    {
+    for species in all().iter().filter(|species| leads(&species.trunk) && species.shoots.spacing < 1.0) {
         for seed in 0..SEEDS {
             let tree = species.request().with_seed(seed).grow()?;
             let (skeleton, numbers) = (&tree.skeleton, tree.numbers);

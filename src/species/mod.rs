@@ -23,6 +23,8 @@ mod decay;
 mod draw;
 mod dress;
 mod fields;
+mod growing;
+mod limb;
 mod model;
 mod names;
 mod organ;
