@@ -87,7 +87,7 @@ fn rustdoc_finds_the_words_that_people_look_for() {
         });
         // rustdoc finds parts of names, too.
         let is_name = text.lines().any(|line| {
-            let mut rest = line.trim_start().split_whitespace();
+            let mut rest = line.split_whitespace();
             let is_item = rest.next() == Some("pub")
                 && matches!(rest.next(), Some("fn" | "struct" | "enum" | "mod" | "trait"));
             is_item && rest.next().is_some_and(|name| name.to_lowercase().contains(&word.to_lowercase()))

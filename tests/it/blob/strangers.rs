@@ -5,6 +5,9 @@ use treesynth::glam::Vec3;
 use treesynth::surface::blob::{BlobTree, FieldFunction, Skin};
 use treesynth::{Skeleton, presets};
 
+/// The nearest places of two branches, each with its radius.
+type Nearest = [(Vec3, f32); 2];
+
 /// How far apart two branches have to be, in the sum of their radii, to be called apart; and as far around a third one's
 /// axis, in its radii, is its own wood.
 const MARGIN: f32 = 0.2;
@@ -38,7 +41,7 @@ impl Internode {
 }
 
 /// The nearest places of two axes, found by going to and fro.
-fn nearest(a: &Internode, b: &Internode) -> [(Vec3, f32); 2] {
+fn nearest(a: &Internode, b: &Internode) -> Nearest {
     let mut best = [a.nearest(b.ends[0]), b.nearest(a.ends[0])];
     let mut least = f32::INFINITY;
     for start in [0.0, 1.0] {
@@ -96,7 +99,7 @@ pub(crate) fn bridged(skeleton: &Skeleton, skin: &BlobTree) -> [usize; 2] {
             }
         }
     }
-    let mut pairs: BTreeMap<[usize; 2], (f32, [(Vec3, f32); 2])> = BTreeMap::new();
+    let mut pairs: BTreeMap<[usize; 2], (f32, Nearest)> = BTreeMap::new();
     for cell in cells.values() {
         for (i, &first) in cell.iter().enumerate() {
             for &second in &cell[i + 1..] {
@@ -118,9 +121,9 @@ pub(crate) fn bridged(skeleton: &Skeleton, skin: &BlobTree) -> [usize; 2] {
             }
         }
     }
-    let apart = |(gap, pair): &(f32, [(Vec3, f32); 2])| *gap > MARGIN * (pair[0].1 + pair[1].1);
+    let apart = |(gap, pair): &(f32, Nearest)| *gap > MARGIN * (pair[0].1 + pair[1].1);
     pairs.retain(|_, pair| apart(pair));
-    let is_bridged = |key: &[usize; 2], [(from, near), (to, far)]: [(Vec3, f32); 2]| {
+    let is_bridged = |key: &[usize; 2], [(from, near), (to, far)]: Nearest| {
         let way = (to - from).normalize();
         let (start, end) = (from + way * near, to - way * far);
         let places = (0..SAMPLES).map(|i| start.lerp(end, i as f32 / (SAMPLES - 1) as f32));
