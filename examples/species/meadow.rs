@@ -53,7 +53,7 @@ pub(crate) fn draw(seed: u64) -> Result<Picture, Failure> {
             tree.parts().into_iter().map(move |part| part.with_transform(stand(number)))
         })
         .collect();
-    let frame = Bounds::new(Vec3::new(-25.0, -1.0, -12.0), Vec3::new(25.0, 16.0, 9.0));
+    let frame = Bounds::new(Vec3::new(-20.0, 1.5, -8.0), Vec3::new(20.0, 14.0, 6.0));
     let camera = Camera::default()
         .with_azimuth(0.0)
         .with_elevation(0.07)

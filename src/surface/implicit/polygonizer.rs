@@ -26,7 +26,7 @@ const DETAIL: f32 = 8.0;
 /// let fork = blob::by_name("blob-07-04").expect("a preset").blob_tree()?;
 /// let even = Polygonizer::default().with_voxel(0.005).mesh(&fork)?;
 /// assert!(even.check().is_ok() && even.colors.len() == even.positions.len());
-/// let fine_where_it_is_thin = Polygonizer::default().with_voxel(0.005).with_detail(4.0).mesh(&fork)?;
+/// let fine_where_it_is_thin = Polygonizer::default().with_voxel(0.005).with_detail(1.0).mesh(&fork)?;
 /// assert!(fine_where_it_is_thin.positions.len() < even.positions.len());
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
@@ -162,7 +162,7 @@ mod tests {
             for (share, off) in [
                 (None, 0.01),
                 (Some(0.2), 0.025),
-                (Some(0.1), 0.005),
+                (Some(0.1), 0.007),
                 (Some(0.05), 0.002),
                 (Some(0.02), 0.001),
             ] {
