@@ -350,17 +350,14 @@ fn odd(many: usize) -> Vec<(&'static str, Skeleton)> {
 
 #[test]
 fn odd_skeletons_through_every_surface() {
-    for (name, tree) in &odd(10_000) {
+    for (name, tree) in &odd(1_000) {
         tried("Tubes", name, || sound(Tubes::default().with_wind(true).with_closed_base(true).mesh(tree)));
-        // Gigabytes of what is just allowed are no test.
-        let fine = Tubes::default().with_error(if tree.len() > 10_000 { 1e-3 } else { 1e-6 });
-        tried("Tubes.with_error", name, || done(fine.mesh(tree)));
         tried("Tubes.within", name, || done(Tubes::default().within(tree, 1_000)));
         tried("Levels", name, || done(Levels::default().of(tree)));
-        tried("Implicit", name, || sound(Implicit::default().with_most_blocks(50_000).mesh(tree)));
+        tried("Implicit", name, || sound(Implicit::default().with_most_blocks(10_000).mesh(tree)));
         tried("Skin", name, || {
             let solid = Skin::default().blob_tree(tree).map_err(|error| error.to_string())?;
-            sound(Polygonizer::default().with_detail(1.0).with_most_blocks(50_000).mesh(&solid))
+            sound(Polygonizer::default().with_detail(1.0).with_most_blocks(10_000).mesh(&solid))
         });
         tried("Capsules", name, || done(Capsules::default().of(tree)));
         tried("Sway", name, || done(Sway::of(tree)));
@@ -431,12 +428,12 @@ fn odd_skeletons_through_every_picture() {
     use treesynth::Silent;
     use treesynth::preview::{Preview, RayCaster};
     let small = Preview::default().with_size(24, 24);
-    for (name, tree) in &odd(10_000) {
+    for (name, tree) in &odd(1_000) {
         tried("Preview", name, || {
             let level = Tubes::default().within(tree, 30_000).map_err(|error| error.to_string())?;
             done(small.draw(&level.mesh))
         });
-        let caster = RayCaster::new(small.clone()).with_most_cubes(200_000);
+        let caster = RayCaster::new(small.clone()).with_most_cubes(20_000);
         tried("RayCaster", name, || done(caster.draw_implicit(&Implicit::default(), tree, &[], &Silent)));
         tried("RayCaster of a skin", name, || {
             let solid = Skin::default().blob_tree(tree).map_err(|error| error.to_string())?;
