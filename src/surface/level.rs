@@ -193,7 +193,7 @@ impl Tubes {
         let first = (widest * LEAST).clamp(1e-6, f32::MAX);
         // At an error of the whole tree's size nothing is left to save. Coordinates near the greatest floats have no finite size.
         let most = (size + widest).min(0.5 * f32::MAX);
-        let mut errors = vec![first.min(most)];
+        let mut errors = vec![first];
         while errors[errors.len() - 1] <= most {
             errors.push(errors[errors.len() - 1] * STEP);
         }
