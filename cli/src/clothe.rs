@@ -13,10 +13,6 @@ use treesynth::texture::Bark;
 
 /// Triangles of each level over those of the one before.
 const SHARE: f32 = 0.3;
-/// Each level is shown down to this part of the size of the one before at the most.
-const SMALLER: f32 = 0.7;
-/// Lines of a screen, for which a level's size is told in parts of its height.
-const LINES: f32 = 1080.0;
 
 /// Which surface branches get.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
@@ -174,18 +170,7 @@ impl Model {
     /// Down to which part of the screen's height each level of a tree of this height is shown, if they can be told apart.
     pub(crate) fn coverages(&self, height: f32) -> Vec<f32> {
         let Self::Levels(levels) = self else { return Vec::new() };
-        if levels.len() < 2 {
-            return Vec::new();
-        }
-        let mut last = 1.0 / SMALLER;
-        let mut coverages = Vec::new();
-        for next in &levels[1..] {
-            // The impostor would do for larger trees, but has fewer leaves to show.
-            last = (next.pixels(height) / LINES).min(last * SMALLER);
-            coverages.push(last);
-        }
-        coverages.push(0.0);
-        coverages
+        Asset::screen_coverages(levels, height)
     }
 }
 

@@ -25,12 +25,12 @@ Examples:
   treesynth convert tree.json tree.swc
   treesynth convert qsm.csv model.glb
   treesynth convert forest.mtg third.json --tree 3
-  treesynth convert scan.ply thin.xyz --thin 0.01
+  treesynth convert scan.laz thin.ply --thin 0.01
   treesynth convert scan.xyz tree.csv
 A skeleton becomes .json, .swc, .csv, .mtg, .svg, .png, .glb, .obj, .ply, .stl or .usdz (branches as tubes). Points become
 .ply or .xyz, or, made into a skeleton, anything else; leaves must have been set aside.")]
 pub(crate) struct Options {
-    /// File that is read: .json, .swc, .csv, .mtg; points: .ply, .xyz, .txt, .asc, .pts
+    /// File that is read: .json, .swc, .csv, .mtg; points: .ply, .las, .laz, .e57, .xyz, .txt, .asc, .pts
     input: PathBuf,
     /// File that is written, of the kind that its name ends in
     output: PathBuf,

@@ -23,7 +23,7 @@ Examples:
   treesynth measure neuron.swc --unit-in 0.000001
   treesynth measure --species oak --dbh 0.4 --seed 3")]
 pub(crate) struct Options {
-    /// Skeletons (.json, .swc, .csv, .mtg), or points of one tree each (.ply, .xyz, .txt), of which a skeleton is made
+    /// Skeletons (.json, .swc, .csv, .mtg), or points of one tree each (.ply, .las, .laz, .e57, .xyz, .txt), of which a skeleton is made
     #[arg(value_name = "FILE", required_unless_present = "species", conflicts_with = "species")]
     files: Vec<PathBuf>,
     #[command(flatten)]

@@ -28,6 +28,10 @@ pub(crate) enum Kind {
     Ply,
     /// Points as text, .xyz, .txt, .asc or .pts
     Xyz,
+    /// Points of a laser scanner, .las or .laz
+    Las,
+    /// Scans of a laser scanner, .e57
+    E57,
 }
 
 impl Kind {
@@ -40,12 +44,14 @@ impl Kind {
             "mtg" => Some(Self::Mtg),
             "ply" => Some(Self::Ply),
             "xyz" | "txt" | "asc" | "pts" => Some(Self::Xyz),
+            "las" | "laz" => Some(Self::Las),
+            "e57" => Some(Self::E57),
             _ => None,
         }
     }
 
     pub(crate) fn has_points(self) -> bool {
-        matches!(self, Self::Ply | Self::Xyz)
+        matches!(self, Self::Ply | Self::Xyz | Self::Las | Self::E57)
     }
 }
 
@@ -75,7 +81,7 @@ impl In {
     pub(crate) fn kind(&self, path: &Path) -> Result<Kind, Failure> {
         let kind = self.from.or_else(|| Kind::of(path)).ok_or_else(|| {
             refused(format!(
-                "{}: its name must end in .json, .swc, .csv, .mtg, .ply, .xyz, .txt, .asc or .pts, or --from must say its kind",
+                "{}: its name must end in .json, .swc, .csv, .mtg, .ply, .xyz, .txt, .asc, .pts, .las, .laz or .e57, or --from must say its kind",
                 path.display()
             ))
         })?;
@@ -101,15 +107,21 @@ impl In {
         if path.is_dir() {
             return Err("it is a folder".into());
         }
-        let file = BufReader::new(File::open(path)?);
+        let file = File::open(path)?;
         let frame = self.frame();
+        match kind {
+            Kind::Las => return Ok(Content::Points(Cloud::read_las(&frame, file)?)),
+            Kind::E57 => return Ok(Content::Points(Cloud::read_e57(&frame, file)?)),
+            _ => {}
+        }
+        let file = BufReader::new(file);
         let trees = match kind {
             Kind::Json => return Ok(Content::Trees(vec![export::read_skeleton(file)?], DVec3::ZERO)),
             Kind::Ply => return Ok(Content::Points(Cloud::read_ply(&frame, file)?)),
             Kind::Xyz => return Ok(Content::Points(Cloud::read_xyz(&frame, file)?)),
             Kind::Swc => read_swc(&frame, file)?,
             Kind::Qsm => read_qsm(&frame, file)?,
-            Kind::Mtg => read_mtg(&frame, file)?,
+            _ => read_mtg(&frame, file)?,
         };
         Ok(Content::Trees(trees.trees, trees.offset))
     }

@@ -123,6 +123,11 @@ pub struct Asset {
     crown: Option<light::Crown>,
 }
 
+/// Lines of a screen, for which a level's size is told in parts of its height.
+const SCREEN_LINES: f32 = 1080.0;
+/// Each level is shown down to this part of the size of the one before at the most.
+const SMALLER: f32 = 0.7;
+
 impl Asset {
     /// One piece without bark or leaves.
     fn of_card(card: Piece, error: f32) -> Self {
@@ -207,5 +212,23 @@ impl Asset {
     /// size and smaller ones. Infinite for a dense model.
     pub fn pixels(&self, height: f32) -> f32 {
         if self.error > 0.0 { height / self.error } else { f32::INFINITY }
+    }
+
+    /// Down to which part of the screen's height, on a screen of 1080 lines, each of these levels of a tree of this height in
+    /// metres is shown: for [`GlbOptions::with_coverages`](crate::export::GlbOptions::with_coverages). The finest level comes
+    /// first. Each level ends at 0.7 of the size at which the one before does, or below; the last ends at 0. Empty if there are
+    /// fewer than two.
+    pub fn screen_coverages(levels: &[Self], height: f32) -> Vec<f32> {
+        let Some((_, coarser)) = levels.split_first().filter(|(_, coarser)| !coarser.is_empty()) else {
+            return Vec::new();
+        };
+        let shrink = |least: &mut f32, level: &Self| {
+            // The impostor would do for larger trees, but has fewer leaves to show.
+            *least = (level.pixels(height) / SCREEN_LINES).min(*least);
+            let ends = *least;
+            *least *= SMALLER;
+            Some(ends)
+        };
+        coarser.iter().scan(1.0, shrink).chain([0.0]).collect()
     }
 }

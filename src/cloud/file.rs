@@ -184,18 +184,29 @@ impl Cloud {
         Self::from_places(frame, &places)
     }
 
-    /// Reads a file by its name's ending: `.ply`, else text.
+    /// Reads a file by its name's ending: `.ply`, `.las`, `.laz`, `.e57`, else text.
     ///
     /// # Errors
-    /// As [`read_ply`](Self::read_ply) and [`read_xyz`](Self::read_xyz); a file that cannot be opened.
+    /// As [`read_ply`](Self::read_ply) and the other readers; a file that cannot be opened; `.las`, `.laz` and `.e57` without the
+    /// feature `lidar`.
     pub fn open(frame: &Frame, path: impl AsRef<Path>) -> Result<Self, CloudError> {
         let path = path.as_ref();
         let told = |error: io::Error| io::Error::new(error.kind(), format!("{}: {error}", path.display()));
         let file = File::open(path).map_err(told)?;
-        if path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("ply")) {
-            return Self::read_ply(frame, file);
+        let ending = path.extension().unwrap_or_default().to_ascii_lowercase();
+        match ending.to_str() {
+            Some("ply") => Self::read_ply(frame, file),
+            #[cfg(feature = "lidar")]
+            Some("las" | "laz") => Self::read_las(frame, file),
+            #[cfg(feature = "lidar")]
+            Some("e57") => Self::read_e57(frame, file),
+            #[cfg(not(feature = "lidar"))]
+            Some(ending @ ("las" | "laz" | "e57")) => {
+                let problem = format!("it is .{ending}, for which treesynth needs its feature lidar");
+                Err(fault("cloud", path.display(), problem))
+            }
+            _ => Self::read_xyz(frame, file),
         }
-        Self::read_xyz(frame, file)
     }
 
     /// Writes a PLY file of the element `vertex`; its numbers are `double` if the frame has an offset or a unit other than metres,

@@ -2,6 +2,8 @@
 
 mod file;
 mod frame;
+#[cfg(feature = "lidar")]
+mod lidar;
 #[cfg(test)]
 mod tests;
 

@@ -46,9 +46,16 @@ pub(super) fn grow(species: &Species, plan: &Numbers, scale: Scale, seed: u64) -
     }
     // What has forked may fork again.
     let mut number = 0;
-    while number < limbs.len() {
+    while number < limbs.len() && growing.wood.positions.len() <= MOST_NODES {
         growing.forks(number, draw.child(6, number), &mut limbs);
         number += 1;
+    }
+    let too_many = |field, value, change| {
+        let (species, what) = (species.name.clone(), "nodes");
+        SpeciesError::TooMany { species, what, most: MOST_NODES, field, value, change }
+    };
+    if growing.wood.positions.len() > MOST_NODES {
+        return Err(too_many("limbs.forks", species.limbs.forks, "less"));
     }
     let mut branches = Vec::new();
     for limb in &limbs {
@@ -83,8 +90,7 @@ pub(super) fn grow(species: &Species, plan: &Numbers, scale: Scale, seed: u64) -
         let used = spacings.into_iter().filter(|(_, _, ratio)| *ratio > 0.0);
         let least = used.min_by(|a, b| a.1.total_cmp(&b.1));
         let (field, value, _) = least.unwrap_or(("shoots.spacing", species.shoots.spacing, 1.0));
-        let (species, what) = (species.name.clone(), "nodes");
-        return Err(SpeciesError::TooMany { species, what, most: MOST_NODES, field, value });
+        return Err(too_many(field, value, "greater"));
     }
     Ok(shade::shed(growing.wood, species.crown.shed, draw.child(5, 0)))
 }

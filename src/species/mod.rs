@@ -70,7 +70,7 @@ pub enum SpeciesError {
     #[error(transparent)]
     Foliage(#[from] FoliageError),
     /// Its data make more than memory should be asked for.
-    #[error("{species} would have more than {most} {what}, but {field} is {value} m; make it greater")]
+    #[error("{species} would have more than {most} {what}, but {field} is {value}; make it {change}")]
     TooMany {
         /// The name of the species.
         species: String,
@@ -80,7 +80,9 @@ pub enum SpeciesError {
         most: usize,
         /// The field that most likely makes them so many, as `section.name`.
         field: &'static str,
-        /// Its value, metres.
+        /// Its value, in the unit of the field.
         value: f32,
+        /// How to change it: `greater` or `less`.
+        change: &'static str,
     },
 }

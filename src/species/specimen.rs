@@ -129,9 +129,9 @@ pub(super) fn grow(
         wood = architecture::grow(species, &plan, scale, own)?;
     }
     if room(species, &wood) > MOST_LEAVES as f32 {
-        let (field, value) = ("leaves.spacing", species.leaves.spacing);
+        let (field, value, change) = ("leaves.spacing", species.leaves.spacing, "greater");
         let (species, what, most) = (species.name.clone(), "leaves", MOST_LEAVES);
-        return Err(SpeciesError::TooMany { species, what, most, field, value });
+        return Err(SpeciesError::TooMany { species, what, most, field, value, change });
     }
     // To the height wished for, exactly.
     let factor = plan.height / height(&wood);

@@ -93,6 +93,14 @@ fn levels_are_smaller_and_nested_and_look_alike() {
         let levels = builder.with_texture_size(512).levels(&tree, 1, &[1.0, 0.3, 0.08]).expect(preset.name);
         assert_eq!(levels.len(), 3, "{}", preset.name);
         let pixels: Vec<f32> = levels.iter().map(|level| level.pixels(height)).collect();
+        // Each level is shown for some sizes, and none where the next one's error is over a pixel of 1080 lines.
+        let coverages = Asset::screen_coverages(&levels, height);
+        assert_eq!((coverages.len(), coverages[2]), (3, 0.0), "{}", preset.name);
+        assert!(coverages[0] <= 1.0 && coverages[1] <= 0.7 * coverages[0], "{}: {coverages:?}", preset.name);
+        for (covered, next) in coverages.iter().zip(&pixels[1..]) {
+            assert!(covered * 1080.0 <= next * 1.0001, "{}: {coverages:?}", preset.name);
+        }
+        assert!(Asset::screen_coverages(&levels[..1], height).is_empty());
         for (i, (level, share)) in levels.iter().zip([1.0, 0.3, 0.08]).enumerate() {
             assert!(level.triangles() <= (share * 10_000.0) as usize, "{}", preset.name);
             check(level, preset.name);

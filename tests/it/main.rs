@@ -28,6 +28,8 @@ mod import;
 #[cfg(feature = "testing")]
 mod invariants;
 mod layers;
+#[cfg(feature = "lidar")]
+mod lidar;
 mod limbs;
 #[cfg(feature = "mint")]
 mod mint_vectors;

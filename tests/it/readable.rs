@@ -4,7 +4,7 @@ use serde::Serialize;
 use serde::de::DeserializeOwned;
 use std::fmt::Debug;
 use treesynth::asset::{AssetBuilder, Impostor};
-use treesynth::export::{Axes, SvgOptions};
+use treesynth::export::{Axes, Breeze, GlbOptions, SvgOptions};
 use treesynth::foliage::{Arrangement, Foliage, Leaf};
 use treesynth::glam::{DVec3, Vec2, Vec3};
 use treesynth::growth::Architecture;
@@ -47,6 +47,9 @@ fn options_survive_their_text() {
     survives(&Preview::default().with_size(120, 80).with_ground_color([0.1, 0.2, 0.3]));
     survives(&RayCaster::new(Preview::default()).with_shadows(false));
     survives(&Axes::default().with_up(UpAxis::Z).with_unit(0.001));
+    let tree = presets::by_name("figure-06b").unwrap().guided().unwrap().synth(300).synthesize(1).unwrap();
+    let breeze = Breeze::of(&tree).unwrap().with_bones(9).with_gust(Vec3::Z * 0.2);
+    survives(&GlbOptions::default().with_name("elm").with_coverages([0.5, 0.0]).with_breeze(breeze));
     survives(&SvgOptions::default().with_thinnest(0.3));
     survives(&Bark::pine().with_age(0.4));
     survives(&Impostor::default().with_grid(5));

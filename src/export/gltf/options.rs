@@ -52,6 +52,7 @@ pub enum LevelNodes {
 /// [`Axes`](crate::export::Axes).
 #[must_use]
 #[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
 pub struct GlbOptions {
     pub(super) name: String,
     pub(super) material: Material,

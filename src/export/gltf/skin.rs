@@ -27,11 +27,32 @@ const KEYS: usize = 81;
 /// ```
 #[must_use]
 #[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(try_from = "Saved"))]
 pub struct Breeze {
     skeleton: Skeleton,
+    #[cfg_attr(feature = "serde", serde(skip_serializing))]
     sway: Sway,
     gust: Vec3,
     bones: usize,
+}
+
+/// Form of a [`Breeze`] in files.
+#[cfg(feature = "serde")]
+#[derive(serde::Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Saved {
+    skeleton: Skeleton,
+    gust: Vec3,
+    bones: usize,
+}
+
+#[cfg(feature = "serde")]
+impl TryFrom<Saved> for Breeze {
+    type Error = SurfaceError;
+
+    fn try_from(Saved { skeleton, gust, bones }: Saved) -> Result<Self, SurfaceError> {
+        Ok(Self { gust, bones, ..Self::of(&skeleton)? })
+    }
 }
 
 crate::recipe::readable!(Breeze { gust: Vec3, bones: usize });

@@ -1,0 +1,427 @@
+"""What the extension module has. Arrays are views without a copy where "view" is said; views are read-only.
+
+``TreesynthError`` is raised for what cannot be had, with a text that names the parameter, its value and its range; ``OSError`` for
+files. ``progress`` is called about twenty times a second as ``progress(what, fraction)``, from the thread that called; what it
+raises stops the work, as Ctrl-C does. Other threads of Python go on while the library works.
+"""
+
+from os import PathLike
+from typing import Any, Callable, Literal, Sequence, TypedDict
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+Path = str | PathLike[str]
+Progress = Callable[[str, float], object]
+Point = Sequence[float]
+Up = Literal["y", "z"]
+System = Literal["species", "guided", "self-organizing", "variational", "growth"]
+
+__version__: str
+
+class TreesynthError(ValueError):
+    """What is asked for cannot be had; the text names the parameter, its value and its range."""
+
+class _Name(TypedDict, total=False):
+    name: str
+    system: System
+    about: str
+    latin: str
+
+class Skeleton:
+    """A tree's nodes, each after its parent. Compares by value; can be pickled."""
+
+    def __init__(
+        self,
+        positions: ArrayLike,
+        parents: ArrayLike,
+        radii: ArrayLike | None = None,
+        *,
+        orders: ArrayLike | None = None,
+        stages: ArrayLike | None = None,
+        hops: ArrayLike | None = None,
+    ) -> None:
+        """Positions ``(n, 3)`` in metres, +Y up; a parent's number for each node, smaller than its own, -1 for the root, which
+        comes first; radii in metres. What is left out is worked out; radii are then 0."""
+
+    @property
+    def positions(self) -> NDArray[np.float32]:
+        """Places of the nodes, metres, ``(n, 3)``: a view."""
+
+    @property
+    def parents(self) -> NDArray[np.int64]:
+        """The parent of each node, -1 for the root, ``(n,)``: a view."""
+
+    @property
+    def radii(self) -> NDArray[np.float32]:
+        """Radii at the nodes, metres, ``(n,)``: a view."""
+
+    @property
+    def orders(self) -> NDArray[np.uint16]:
+        """Branching order of each node, 0 for the trunk, ``(n,)``: a view."""
+
+    @property
+    def stages(self) -> NDArray[np.uint16]:
+        """The stage in which each node grew, ``(n,)``: a view. Of species its rank: 0 stems, 1 limbs, 2 branches, 3 twigs, 4 shoots."""
+
+    @property
+    def hops(self) -> NDArray[np.uint32]:
+        """Hops from the source of its stage in guided trees: 1 at the first node off the tree; else 0. ``(n,)``: a view."""
+
+    def metrics(self) -> dict[str, Any]:
+        """Measures of the tree, as `treesynth::Metrics` of the Rust library documents them. Lengths in metres."""
+
+    def diameter_at(self, height: float) -> float | None:
+        """Diameter of the stem so many metres above the base; none above its tip. 1.3 gives DBH."""
+
+    def relaxed(self, share: float = 0.5, passes: int = 3) -> Skeleton:
+        """With nodes drawn `share` (0 to 1) of the way between their neighbours, `passes` times."""
+
+    def mesh(self, sides: int = 8, *, progress: Progress | None = None) -> Mesh:
+        """Tubes along the branches; `sides` (3 to 64) a ring of the thickest."""
+
+    def closed_mesh(self, detail: float = 1.0, *, progress: Progress | None = None) -> Mesh:
+        """One closed surface without self-intersections, for printers; `detail` (0.867 to 64) is voxels per radius."""
+
+    def save(self, path: Path, *, up: Up = "z", unit: float = 1.0, offset: Point | None = None) -> None:
+        """To .json or .svg (metres, +Y up), .swc, .csv or .qsm (a QSM table) or .mtg. `unit` is metres in a unit of the file,
+        `offset` is added to its coordinates."""
+
+    def __len__(self) -> int: ...
+
+class Mesh:
+    """Triangles."""
+
+    @property
+    def name(self) -> str: ...
+    @property
+    def positions(self) -> NDArray[np.float32]:
+        """Metres, ``(n, 3)``: a view."""
+
+    @property
+    def normals(self) -> NDArray[np.float32]:
+        """Unit normals, ``(n, 3)``: a view."""
+
+    @property
+    def uvs(self) -> NDArray[np.float32]:
+        """Texture coordinates, ``(n, 2)``, or ``(0, 2)``: a view."""
+
+    @property
+    def colors(self) -> NDArray[np.float32]:
+        """Factors on the colour, linear red, green and blue, ``(n, 3)``, or ``(0, 3)``: a view."""
+
+    @property
+    def triangles(self) -> NDArray[np.uint32]:
+        """Vertices of each triangle, counter-clockwise from outside, ``(m, 3)``: a view."""
+
+class Leaves:
+    """Leaves of one kind and tone, or blossom, catkins, fruit, cones: one mesh in many places."""
+
+    @property
+    def mesh(self) -> Mesh: ...
+    @property
+    def matrices(self) -> NDArray[np.float32]:
+        """Where each copy of the mesh stands: ``(n, 4, 4)``, for columns of points."""
+
+    @property
+    def nodes(self) -> NDArray[np.uint32]:
+        """The node of the skeleton that bears each, ``(n,)``."""
+
+    @property
+    def tints(self) -> NDArray[np.float32]:
+        """Factors on the colour of each, linear, ``(n, 3)``."""
+
+    @property
+    def area(self) -> float:
+        """Area of all of them, one side, square metres."""
+
+    def __len__(self) -> int: ...
+
+class Tree:
+    """A grown tree: skeleton, leaves, bark."""
+
+    @property
+    def name(self) -> str: ...
+    @property
+    def seed(self) -> int: ...
+    @property
+    def skeleton(self) -> Skeleton: ...
+    @property
+    def leaves(self) -> list[Leaves]: ...
+    @property
+    def numbers(self) -> dict[str, Any]:
+        """What it was grown by: of species height, dbh, age, crown_width, crown_base, leaf_area, ..."""
+
+    def asset(
+        self,
+        triangles: int | None = 20_000,
+        *,
+        textures: int | None = 512,
+        levels: int = 1,
+        wind: bool = False,
+        progress: Progress | None = None,
+    ) -> Asset:
+        """A model of at most so many triangles, or the dense one for None. `textures` is the side of the images, a power of two
+        from 128 to 8192, or None for plain colours. With `levels` of 2 to 8, each has 0.3 of the triangles of the one before, and
+        an impostor follows. With `wind` vertices carry what a shader needs to move them."""
+
+    def save(
+        self,
+        path: Path,
+        triangles: int | None = 20_000,
+        *,
+        textures: int | None = 512,
+        levels: int = 1,
+        wind: bool = False,
+        up: Up = "y",
+        unit: float = 1.0,
+        progress: Progress | None = None,
+    ) -> None:
+        """`asset` and `Asset.save` in one call."""
+
+class Asset:
+    """A model: the finest level first."""
+
+    @property
+    def triangles(self) -> list[int]:
+        """Triangles of each level."""
+
+    @property
+    def errors(self) -> list[float]:
+        """Error of each level, metres: show it from where this is less than a pixel."""
+
+    @property
+    def height(self) -> float:
+        """Height of the tree, metres."""
+
+    def save(
+        self, path: Path, *, up: Up = "y", unit: float = 1.0, quantize: bool = False, lod_names: bool = False
+    ) -> None:
+        """To .glb (all levels, images inside), .usdz, .usda (all levels), or the finest level to .obj, .ply, .stl, or its picture
+        to .png. A file appears whole or not at all. glTF is +Y up and metres always. `quantize` makes smaller GLB files;
+        `lod_names` names levels NAME_LOD0, NAME_LOD1, ... for Godot, Unity and Unreal."""
+
+    def picture(
+        self,
+        size: int = 800,
+        *,
+        azimuth: float = 0.0,
+        elevation: float = 3.0,
+        level: int = 0,
+        transparent: bool = False,
+    ) -> NDArray[np.uint8]:
+        """Drawn without a GPU: ``(size, size, 3)``, or 4 with `transparent`. Angles in degrees."""
+
+class Species:
+    """A species: built in, or from a text as docs/species.md has it. Compares by value; can be pickled."""
+
+    @staticmethod
+    def named(name: str) -> Species:
+        """By its English, Latin or another name."""
+
+    @staticmethod
+    def parse(text: str) -> Species:
+        """From its text; an error names the line and the field."""
+
+    def to_text(self) -> str: ...
+    @property
+    def name(self) -> str: ...
+    @property
+    def latin(self) -> str: ...
+    @property
+    def data(self) -> dict[str, Any]:
+        """All parameters."""
+
+    def grow(
+        self,
+        *,
+        seed: int = 0,
+        height: float | None = None,
+        dbh: float | None = None,
+        age: float | None = None,
+        day: float | None = None,
+        stand_spacing: float | None = None,
+        years_dead: float | None = None,
+        storm_damage: float | None = None,
+    ) -> Tree:
+        """A tree of this species, as `treesynth.grow`."""
+
+class Recipe:
+    """A pipeline of the guided system as data: graph, stages, shedding, radii, seed. Compares by value; can be pickled."""
+
+    @staticmethod
+    def preset(name: str, nodes: int = 150_000) -> Recipe:
+        """That of a preset, on a graph of about so many nodes."""
+
+    @staticmethod
+    def from_json(text: str) -> Recipe: ...
+    @staticmethod
+    def from_data(data: dict[str, Any]) -> Recipe:
+        """From what `data` gives, changed or not."""
+
+    def to_json(self) -> str: ...
+    @property
+    def data(self) -> dict[str, Any]: ...
+    @property
+    def seed(self) -> int: ...
+    def grow(self, seed: int | None = None, *, progress: Progress | None = None) -> Skeleton: ...
+
+class Forest:
+    """A stand of the self-organizing system, which grows season by season. Can be pickled, and goes on bit for bit."""
+
+    def __init__(self, name: str, *, seed: int | None = None, most_metamers: int | None = None) -> None:
+        """The stand of that name as it is planted; growth stops at so many metamers."""
+
+    @staticmethod
+    def from_json(text: str) -> Forest: ...
+    def to_json(self) -> str: ...
+    def grow(self, seasons: int = 1, *, progress: Progress | None = None) -> None:
+        """So many seasons more. What has grown before an error or Ctrl-C is kept."""
+
+    @property
+    def season(self) -> int:
+        """Seasons that have passed."""
+
+    @property
+    def metamers(self) -> int: ...
+    @property
+    def trees(self) -> list[Skeleton]:
+        """All trees where they stand."""
+
+    @property
+    def places(self) -> NDArray[np.float32]:
+        """The base of each tree, metres, ``(n, 3)``."""
+
+class Growth:
+    """One tree at all its ages, of the growth system."""
+
+    def __init__(self, name: str, *, seed: int | None = None) -> None: ...
+    @property
+    def years(self) -> int:
+        """Its greatest age."""
+
+    def at(self, age: float, *, progress: Progress | None = None) -> Tree:
+        """The tree at an age in years; fractions are days."""
+
+class Cloud:
+    """Points, +Y up and metres, 32 bits each, beside what was taken off their coordinates. Compares by value."""
+
+    def __init__(
+        self, points: ArrayLike, *, up: Up = "z", unit: float = 1.0, offset: Point | None = None
+    ) -> None:
+        """Points ``(n, 3)``, 64 bits; `offset` is taken off, by default as large coordinates need it."""
+
+    @staticmethod
+    def open(path: Path, *, up: Up = "z", unit: float = 1.0, offset: Point | None = None) -> Cloud:
+        """From a .ply, .las, .laz, .e57, .xyz, .txt, .asc or .pts file."""
+
+    def save(self, path: Path, *, up: Up = "z", unit: float = 1.0, offset: Point | None = None) -> None: ...
+    @property
+    def points(self) -> NDArray[np.float32]:
+        """Metres, +Y up, ``(n, 3)``: a view."""
+
+    @property
+    def offset(self) -> list[float]:
+        """What was taken off, in the axes and unit of the array or file."""
+
+    def thinned(self, side: float) -> Cloud:
+        """One point in each cube of that side in metres."""
+
+    def __len__(self) -> int: ...
+
+class Scan:
+    """What a simulated scanner has measured."""
+
+    @property
+    def cloud(self) -> Cloud: ...
+    @property
+    def is_wood(self) -> NDArray[np.bool_]:
+        """Whether each point lies on bark, ``(n,)``."""
+
+    @property
+    def is_ground(self) -> NDArray[np.bool_]: ...
+    @property
+    def nodes(self) -> NDArray[np.uint32]:
+        """The node of the skeleton that each point lies on, or that bears its leaf."""
+
+class Reconstruction:
+    """A tree made of points."""
+
+    @property
+    def skeleton(self) -> Skeleton: ...
+    @property
+    def offset(self) -> list[float]: ...
+    @property
+    def is_measured(self) -> NDArray[np.bool_]:
+        """Whether a cylinder was found for each node, ``(n,)``: a view. Other radii follow from what the limb bears."""
+
+    @property
+    def ground(self) -> int:
+        """Points set aside as ground."""
+
+def names(system: System | None = None) -> list[_Name]:
+    """What `grow` (species, guided), `fill` (variational), `Forest` (self-organizing) and `Growth` (growth) know by name."""
+
+def grow(
+    name: str,
+    *,
+    seed: int | None = None,
+    nodes: int | None = None,
+    season: Literal["winter", "summer", "autumn"] | None = None,
+    height: float | None = None,
+    dbh: float | None = None,
+    age: float | None = None,
+    day: float | None = None,
+    stand_spacing: float | None = None,
+    years_dead: float | None = None,
+    storm_damage: float | None = None,
+    progress: Progress | None = None,
+) -> Tree:
+    """A tree of a species or of a preset of the guided system.
+
+    Of species: height, DBH (diameter 1.3 m above the base) and `stand_spacing` in metres, age in years, day of the year from 1 to
+    366, years since it died, the part of its limbs that a storm broke (0 to 1). Of presets: nodes of the graph, season.
+    """
+
+def fill(
+    shape: Path,
+    *,
+    nodes: int | None = None,
+    height: float | None = None,
+    up: Up | None = None,
+    seed: int | None = None,
+    progress: Progress | None = None,
+) -> Tree:
+    """A bare tree that fills a mesh (.obj, .stl, .ply, .glb, .gltf), a drawing (.svg: the front, and the side if there is a second
+    shape), or the shape of a preset. `height` in metres, by default 8; `nodes` of the shape, by default 4000."""
+
+def read_trees(
+    path: Path, *, up: Up = "z", unit: float = 1.0, offset: Point | None = None
+) -> tuple[list[Skeleton], list[float]]:
+    """All trees of a .json, .swc, .csv or .qsm (QSM table) or .mtg file, and what was taken off its coordinates."""
+
+def scan(
+    tree: Tree,
+    *,
+    places: ArrayLike | None = None,
+    distance: float = 10.0,
+    stations: int = 3,
+    step: float = 0.0006,
+    noise: float = 0.002,
+    range: float = 100.0,
+    ground: float | None = None,
+    leaves: bool = True,
+    seed: int = 1,
+) -> Scan:
+    """Scans a tree from `places` ``(n, 3)``, or from so many stations at a distance around it. Steps in radians, all else in metres."""
+
+def reconstruct(
+    cloud: Cloud,
+    *,
+    base: Point | None = None,
+    side: float | None = None,
+    gap: float = 0.5,
+    tip_radius: float = 0.0015,
+    ground: bool = True,
+) -> Reconstruction:
+    """The skeleton and radii of the one tree whose points these are: leaf-off, or with leaves set aside. Metres."""
