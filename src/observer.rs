@@ -36,7 +36,7 @@ pub trait Observer: Sync {
 pub struct Progress {
     /// Work in progress.
     pub work: Work,
-    /// How much of that is done, in [0, 1]. Each kind of work ends with exactly 1.
+    /// Fraction of that work that is done, in [0, 1]. Each kind of work ends with exactly 1.
     pub fraction: f32,
 }
 
@@ -117,7 +117,7 @@ pub(crate) struct Watch<'a> {
     work: Work,
     /// Fractions of the work at the first and the last step.
     part: Range<f32>,
-    /// How many steps there are, or about.
+    /// Number of steps, or an estimate.
     of: usize,
     /// Steps from one report to the next.
     every: usize,
@@ -129,7 +129,7 @@ pub(crate) struct Watch<'a> {
 }
 
 impl<'a> Watch<'a> {
-    /// Of all of some work, which takes about so many steps.
+    /// Watches the whole of some work, which takes about `of` steps.
     pub(crate) fn new(observer: &'a dyn Observer, work: Work, of: usize, every: usize) -> Self {
         Self::part(observer, work, 0.0..1.0, of, every)
     }
@@ -169,7 +169,7 @@ impl<'a> Watch<'a> {
         self.goes_on()
     }
 
-    /// Whether nobody has cancelled it.
+    /// `true` as long as nobody has cancelled the work.
     pub(crate) fn goes_on(&self) -> bool {
         !self.is_cancelled.load(Ordering::Relaxed)
     }

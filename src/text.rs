@@ -32,7 +32,8 @@ impl<R: BufRead> Lines<R> {
     }
 
     #[cfg(feature = "import")]
-    /// Keeps so many bytes of the latest line and appends the next, after a space: what a backslash at its end asks for.
+    /// Keeps the first `end` bytes of the latest line and appends the next line, after a space: a line that
+    /// ends with a backslash continues so.
     pub(crate) fn join(&mut self, end: usize) -> io::Result<bool> {
         self.line.truncate(end);
         self.line.push(b' ');

@@ -1,4 +1,4 @@
-//! Which way is up in a file, and what its unit is.
+//! The up axis of a file, and its unit.
 
 use crate::ParameterError;
 use crate::shape::UpAxis;

@@ -119,7 +119,7 @@ impl<'a> Uses<'a> {
     }
 }
 
-/// Whether the image of the colour cuts holes into a part.
+/// `true` if the colour image cuts holes into a part.
 pub(super) fn is_masked(part: &Part<'_>) -> bool {
     worn::textures(part).is_some_and(Textures::is_masked)
 }

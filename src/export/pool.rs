@@ -1,4 +1,4 @@
-//! What is the same is written once.
+//! Equal meshes and images are written once.
 
 use super::worn::Image;
 use crate::surface::{Instance, Mesh};

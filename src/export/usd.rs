@@ -40,7 +40,7 @@ pub struct UsdStage<'a> {
 }
 
 impl UsdStage<'_> {
-    /// What [`with_name`](Self::with_name) sets.
+    /// The name set by [`with_name`](Self::with_name).
     pub fn name(&self) -> &str {
         &self.name
     }

@@ -47,7 +47,7 @@ impl<'a, W: Write> Watched<'a, W> {
         Self { writer, observer, bytes: 0, written: 0, next: 0, is_cancelled: false }
     }
 
-    /// Of a file of about so many bytes: the fraction told is that of these.
+    /// Sets the expected size of the file, bytes: the fraction reported is that of these.
     #[must_use]
     pub fn with_bytes(mut self, bytes: u64) -> Self {
         self.bytes = bytes;

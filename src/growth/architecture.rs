@@ -1,4 +1,4 @@
-//! What tells one species from another: the curves and limits of the paper.
+//! The parameters that distinguish species: the curves and limits of the paper.
 
 use super::curve::Curve;
 use super::phenology::Phenology;
@@ -116,23 +116,24 @@ impl Architecture {
         self
     }
 
-    /// How many leaves, buds and laterals stand at each metamer, evenly around the axis, 1 to 8: 2 for opposite ones, and with a
-    /// [divergence](Self::with_divergence) of a right angle for decussate ones.
+    /// Number of leaves, buds and laterals at each metamer, spread evenly around the axis, 1 to 8: 2 for
+    /// opposite ones, together with a [divergence](Self::with_divergence) of a right angle for decussate
+    /// ones.
     pub fn with_whorl(mut self, count: u16) -> Self {
         self.whorl = count;
         self
     }
 
-    /// How likely a branch forks at the end of a year's shoot, 0 to 1: into itself and a twin that is as strong from then on,
-    /// both leaning away from each other.
+    /// Probability that a branch forks at the end of a year's shoot, 0 to 1: into itself and a twin that is
+    /// as strong from then on; the two lean away from each other.
     pub fn with_forking(mut self, chance: f32) -> Self {
         self.forking = chance;
         self
     }
 
-    /// How thick the trunk base is at the greatest age: its radius over the trunk's length if that is the
-    /// [greatest of a branch](Self::with_longest_branch), 0 to 1; otherwise as length to the power of 1.5, as elastic
-    /// similarity has it (`McMahon` 1973).
+    /// Thickness of the trunk base at the greatest age: its radius over the trunk's length if that length is
+    /// the [greatest of a branch](Self::with_longest_branch), 0 to 1; otherwise as length to the power of
+    /// 1.5, as elastic similarity has it (`McMahon` 1973).
     ///
     /// All other wood follows by the pipe model (Shinozaki and others 1964), `r^a` being in proportion to the number of
     /// metamers ever borne. Its exponent a, in [2, 2.4], is chosen so that the trunk base comes out as thick; twigs get
@@ -279,7 +280,7 @@ impl Architecture {
         ]
     }
 
-    /// Whether all options are in range. O(points of the curves).
+    /// Checks that all options are in range. O(points of the curves).
     ///
     /// # Errors
     /// The first that is not.

@@ -12,13 +12,13 @@ use glam::Vec3;
 /// Metamers laid out from one report to the next.
 const METAMERS: usize = 4096;
 
-/// How much of its straying a branch keeps from one shoot to the next.
+/// Share of its random turn that a branch keeps from one shoot to the next.
 const KEPT: f32 = 0.7;
-/// The trunk strays less than branches.
+/// Random turn of the trunk, as a share of that of branches.
 const TRUNK: f32 = 1.0 / 3.0;
 /// Share of its lean from its twin that a branch keeps at its tip.
 const RIGHTED: f32 = 0.3;
-/// Leaves turn their colour in so many groups, so many parts of a year apart.
+/// Number of groups in which leaves change colour, and the time from one group to the next, in years.
 const TONES: u32 = 5;
 const TONE_STEP: f32 = 0.015;
 
@@ -35,7 +35,8 @@ pub struct TreeAtAge {
     pub leaves: Vec<Leaf>,
     /// The buds of the latest shoots: one in each leaf's axil, and one at each tip.
     pub buds: Vec<Bud>,
-    /// Whether each node of the skeleton is dead wood: its branch has died, is bare, and will break off.
+    /// For each node of the skeleton, `true` if it is dead wood: its branch has died, is bare, and will break
+    /// off.
     pub dead: Vec<bool>,
 }
 
@@ -52,7 +53,7 @@ impl TreeAtAge {
 pub struct Leaf {
     /// The node of the skeleton that bears it.
     pub node: u32,
-    /// Its foot, on the bark, metres.
+    /// Its base, on the bark, metres.
     pub position: Vec3,
     /// Direction of its midrib; of length 1.
     pub midrib: Vec3,
@@ -70,7 +71,7 @@ pub struct Leaf {
 pub struct Bud {
     /// The node of the skeleton that bears it.
     pub node: u32,
-    /// Its foot, metres.
+    /// Its base, metres.
     pub position: Vec3,
     /// Its direction; of length 1.
     pub direction: Vec3,
@@ -393,7 +394,7 @@ impl<'a> Layout<'a> {
     }
 }
 
-/// How far a branch has been laid out.
+/// The place up to which a branch has been laid out.
 #[derive(Debug, Clone, Copy)]
 struct Foot {
     node: u32,
@@ -417,7 +418,8 @@ struct Path<'a> {
     turn: f64,
     /// Random turn inwards and aside before and after the shoot at hand.
     strays: [[f32; 2]; 2],
-    /// How far from the base it forks, metres, and where its twin goes there, at right angles to it.
+    /// Its forks: the distance from the base, metres, and the direction of the twin there, at right angles to
+    /// the branch.
     forks: Vec<(f32, Vec3)>,
 }
 
@@ -453,7 +455,7 @@ impl<'a> Path<'a> {
         self.strays = [before, [KEPT * before[0] + next[0], KEPT * before[1] + next[1]]];
     }
 
-    /// The direction at so many metres from the base, which is such a part of the shoot at hand; of length 1.
+    /// The direction `along` metres from the base, the fraction `part` of the current shoot; of length 1.
     fn direction(&self, along: f32, part: f32) -> Vec3 {
         let mut direction = self.unforked(along, part);
         for &(place, twin) in &self.forks {

@@ -98,11 +98,11 @@ pub struct Growth {
 impl Growth {
     /// Works out the structure of a tree up to the species' greatest age, at most 4 million nodes.
     ///
-    /// O(branches · years) time; 12 bytes a branch and year, 44 bytes a branch.
+    /// O(branches · years) time; 12 bytes per branch and year, 44 bytes per branch.
     ///
     /// # Errors
-    /// What [`Architecture::check`] finds. A species that runs away is no error here but in [`at`](Self::at), for the ages
-    /// that are missing.
+    /// A parameter out of range, as [`Architecture::check`] reports it. A species that grows without bound is
+    /// an error only in [`at`](Self::at), for the ages that are missing.
     pub fn new(architecture: Architecture, seed: u64) -> Result<Self, ParameterError> {
         Self::with_most_nodes(architecture, seed, MOST_NODES)
     }

@@ -5,7 +5,8 @@ use super::architecture::Architecture;
 /// The least and the greatest exponent. Within them the cross-sections of two branches of a fork are 1 to 1.12 times the one
 /// that bears them.
 const EXPONENTS: [f64; 2] = [2.0, 2.4];
-/// How much thinner or thicker twigs may be than the species says, for the trunk's sake.
+/// Least and greatest radius of twigs, as multiples of the species' own: within them it is changed so that
+/// the trunk gets its thickness.
 const TWIGS: [f32; 2] = [0.5, 1.5];
 
 /// The part of a pipe with which a shoot comes out of its bud: so that both that come from the end of last year's shoot are
@@ -22,7 +23,8 @@ pub(super) struct Thickness {
 }
 
 impl Thickness {
-    /// Such that the trunk base at the greatest age, with so many pipes, is as thick as the species says for its length.
+    /// Chosen so that the trunk base at the greatest age, with `pipes` pipes, is as thick as the species says
+    /// for its length.
     pub(super) fn new(architecture: &Architecture, trunk_length: f32, pipes: f64) -> Self {
         let base =
             architecture.stoutness * trunk_length * (trunk_length / architecture.longest_branch).sqrt();

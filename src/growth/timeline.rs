@@ -38,7 +38,8 @@ pub struct Timeline {
 crate::recipe::readable!(Timeline { radius_share: f32 });
 
 impl Timeline {
-    /// A tree that takes so many years, 0.01 to 10,000, to grow as it is; half by distance, half by radius. O(n).
+    /// A tree that takes `years` years, 0.01 to 10,000, to grow to its present form; half by distance, half
+    /// by radius. O(n).
     ///
     /// # Errors
     /// Years out of range.

@@ -1,8 +1,8 @@
-//! What botanists measure on a tree.
+//! The measures that botanists take on a tree.
 //!
-//! [`Metrics::of`] takes all measures at once; each is a function of its own as well. All are exact in the sense
-//! that they only sum and compare, in `f64`, so that no skeleton, however large or far out, makes one infinite.
-//! What a skeleton does not tell, such as the branch angle of a single stem, is `None`.
+//! [`Metrics::of`] takes all measures at once; each is a function of its own as well. All are exact in the
+//! sense that they only sum and compare, in `f64`, so that no skeleton, however large or far out, makes one
+//! infinite. A measure that a skeleton does not have, such as the branch angle of a single stem, is `None`.
 
 mod angle;
 mod branch;

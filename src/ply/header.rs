@@ -1,4 +1,4 @@
-//! What a PLY file says it has.
+//! The header of a PLY file: the elements and properties that it declares.
 
 use std::io::{self, BufRead};
 

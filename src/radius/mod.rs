@@ -76,16 +76,16 @@ use crate::{ParameterError, Skeleton};
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub trait RadiusModel: Send + Sync {
-    /// One radius a node, metres: that of the internode from the node's parent to it. The root's is that of the
-    /// tree's foot.
+    /// One radius per node, metres: that of the internode from the node's parent to it. The root's is that of
+    /// the trunk base.
     ///
     /// # Errors
     /// Options out of range (whatever [`check`](Self::check) finds), and radii that cannot be had for this
     /// skeleton.
     fn radii(&self, skeleton: &Skeleton) -> Result<Vec<f32>, RadiusError>;
 
-    /// Whether the options are in range, without a skeleton; called where synthesis starts, so that a mistake
-    /// shows before the long work. The default accepts. A model that accepts here what
+    /// Checks that the options are in range, without a skeleton; called where synthesis starts, so that a
+    /// mistake shows before the long work. The default accepts. A model that accepts here what
     /// [`radii`](Self::radii) refuses only costs the time until then.
     ///
     /// # Errors
@@ -165,7 +165,7 @@ pub enum RadiusError {
     },
 }
 
-/// Whether `radii` keep the [contract](RadiusModel) on `skeleton`. O(n).
+/// Checks that `radii` keep the [contract](RadiusModel) on `skeleton`. O(n).
 ///
 /// # Errors
 /// The first violation: [`Length`](RadiusError::Length), [`NotFinite`](RadiusError::NotFinite),

@@ -72,7 +72,7 @@ pub enum Support {
 }
 
 impl Default for Variational {
-    /// Equal areas and a foot of 30 cm, our choice for a grown tree; the area then cancels out.
+    /// Equal areas and a trunk base of 30 cm, our choice for a grown tree; the area then cancels out.
     fn default() -> Self {
         Self::uniform(1.0).with_trunk_diameter(0.3)
     }
@@ -109,7 +109,8 @@ impl Variational {
         self
     }
 
-    /// Scales all radii so that the foot has this diameter, metres, finite and above 0. Not scaled by default.
+    /// Scales all radii so that the trunk base has this diameter, metres, finite and above 0. Not scaled by
+    /// default.
     pub fn with_trunk_diameter(mut self, diameter: f32) -> Self {
         self.trunk_diameter = Some(diameter);
         self
@@ -125,7 +126,7 @@ impl Variational {
         &self.support
     }
 
-    /// The foot's diameter, metres, if set.
+    /// The diameter of the trunk base, metres, if set.
     pub fn trunk_diameter(&self) -> Option<f32> {
         self.trunk_diameter
     }

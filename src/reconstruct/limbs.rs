@@ -13,7 +13,7 @@ pub(super) struct Ring {
     pub(super) parent: Option<u32>,
     pub(super) nodes: Vec<u32>,
     pub(super) center: Vec3,
-    /// How far nodes are from the center, in the mean of squares.
+    /// Root mean square distance of the nodes from the center, metres.
     pub(super) spread: f32,
 }
 

@@ -27,9 +27,9 @@ use crate::{ParameterError, Silent, Skeleton, SkeletonError};
 ///    far and the principal direction of the nodes around, so that paths stay in their limb and cross gaps straight on.
 /// 4. Nodes at one distance along their paths that hang together are a ring; its middle is a node of the skeleton, after Verroust and
 ///    Lazarus 2000, "Extracting skeletal curves from 3D scattered data". Rings that go nowhere are left out.
-/// 5. Cylinders are fitted robustly to the points of neighbouring rings; they put axes into the middle of limbs and give radii.
-///    Where points are few, radii follow the power of the length borne that fits this tree's measured limbs. No radius grows
-///    towards the tips.
+/// 5. Cylinders are fitted robustly to the points of neighbouring rings; they put axes into the middle of
+///    limbs and give radii. Where points are few, radii follow from the length of wood borne, by a relation
+///    fitted to this tree's measured limbs. No radius grows towards the tips.
 ///
 /// Clouds with leaves make trees of nonsense where leaves hide the wood: set leaves aside before. The same cloud gives the same bits
 /// at any number of threads. O(n log n) for n points; about 100 bytes a point and 500 bytes a node.
@@ -71,7 +71,7 @@ impl Default for Reconstruct {
 pub struct Reconstruction {
     /// The tree, where the cloud's points are. Its root is the base of the trunk.
     pub skeleton: Skeleton,
-    /// What was taken off the cloud's coordinates in its file.
+    /// The offset that was subtracted from the coordinates in the cloud's file.
     pub offset: DVec3,
     /// For each node whether a cylinder was found for its points. Its radius is that, unless it is off what limbs around it have; all
     /// others follow from what their limb bears.
@@ -108,7 +108,7 @@ pub enum ReconstructError {
     TooMany {
         /// The points.
         points: usize,
-        /// How many may be.
+        /// The greatest number allowed.
         most: usize,
     },
     /// No trunk, or several, where the cloud is lowest.
@@ -118,11 +118,11 @@ pub enum ReconstructError {
     Trunks {
         /// The upper end of what was looked at, metres.
         high: f32,
-        /// How many stand there.
+        /// The number of things that stand there.
         trunks: usize,
-        /// Where the one of most points stands, metres.
+        /// The position of the one of most points, metres.
         first: Vec3,
-        /// Where the next stands, metres.
+        /// The position of the next, metres.
         second: Vec3,
     },
     /// The limb at the base is thin beside others: the cloud stands on its head, or the trunk is not in it.
@@ -130,7 +130,7 @@ pub enum ReconstructError {
         "the limb at the base, {base}, has a radius of {radius} m, but others have {thickest} m; turn or cut the cloud, or say by Reconstruct::with_base where the trunk is"
     )]
     ThinBase {
-        /// Where the base was found, metres.
+        /// The position at which the base was found, metres.
         base: Vec3,
         /// Its radius, metres.
         radius: f32,
@@ -140,10 +140,10 @@ pub enum ReconstructError {
     /// The search failed.
     #[error(transparent)]
     Search(#[from] SearchError),
-    /// The graph is none.
+    /// The graph is not valid.
     #[error(transparent)]
     Graph(#[from] GraphError),
-    /// What came out is no skeleton.
+    /// The result is not a valid skeleton.
     #[error(transparent)]
     Skeleton(#[from] SkeletonError),
 }
@@ -183,7 +183,7 @@ impl Reconstruct {
         self
     }
 
-    /// Whether ground is looked for and set aside; default true.
+    /// Whether points of the ground are searched for and left out; default true.
     pub fn with_ground(mut self, is_looked_for: bool) -> Self {
         self.has_ground = is_looked_for;
         self
@@ -291,7 +291,7 @@ impl Reconstruct {
         })
     }
 
-    /// Whether the limb at a base that was found is about as thick as any.
+    /// Checks that the limb at a base that was found is about as thick as any other limb.
     fn check_base(
         &self,
         rings: &[Ring],

@@ -135,10 +135,11 @@ pub(super) fn radii(skeleton: &Skeleton, measured: &[Option<(f32, f32)>], tip: f
     radii
 }
 
-/// What a tip bears, metres.
+/// Length of wood that a tip counts as bearing, metres.
 const TIP_LENGTH: f32 = 0.05;
 
-/// What a radius usually is on this tree, by the length that a limb bears: a point for each doubling, as logarithms, ascending.
+/// The usual radius on this tree, by the length that a limb bears: a point for each doubling of the length,
+/// as logarithms, ascending.
 struct Allometry(Vec<(f32, f32)>);
 
 impl Allometry {

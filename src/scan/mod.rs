@@ -59,17 +59,17 @@ pub struct Scanner {
     ground: Option<f32>,
 }
 
-/// What a scanner has measured.
+/// The measurement of a scanner: points, and the truth about each.
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
 pub struct Scan {
     /// The points, those of the first place first.
     pub cloud: Cloud,
-    /// What each point lies on.
+    /// The surface that each point lies on.
     pub truth: Vec<Truth>,
 }
 
-/// What a point lies on; at an edge the surface that most of the beam has met.
+/// The surface that a point lies on; at an edge the one that most of the beam has met.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub struct Truth {
@@ -82,7 +82,7 @@ pub struct Truth {
     pub place: u32,
     /// The share of the beam that has met anything within the echo.
     pub share: f32,
-    /// Whether the rays of the echo have met different parts or nodes.
+    /// `true` if the rays of the echo have met different parts or nodes.
     pub is_mixed: bool,
 }
 
@@ -129,7 +129,7 @@ impl Scanner {
         }
     }
 
-    /// So many stands on a circle about `center`, from +X on.
+    /// A scanner at this number of `places` on a circle about `center`, from +X on, `distance` metres away.
     pub fn around(center: Vec3, distance: f32, places: usize) -> Self {
         let place = |i: usize| {
             let (sin, cos) = math::sin_cos(TAU * i as f32 / places.max(1) as f32);
@@ -144,7 +144,8 @@ impl Scanner {
         self
     }
 
-    /// How wide the beam is where it leaves the scanner, 0 to 0.1 m, and by how much it widens, 0 to 0.1 rad (the full angle).
+    /// Diameter of the beam where it leaves the scanner, 0 to 0.1 m, and its divergence, 0 to 0.1 rad (the
+    /// full angle).
     pub fn with_beam(mut self, exit: f32, divergence: f32) -> Self {
         (self.exit, self.divergence) = (exit, divergence);
         self
@@ -168,7 +169,7 @@ impl Scanner {
         self
     }
 
-    /// How far the scanner sees, 0.1 to 10,000 m.
+    /// Range of the scanner, 0.1 to 10,000 m.
     pub fn with_range(mut self, metres: f32) -> Self {
         self.range = metres;
         self
@@ -304,7 +305,7 @@ impl Scanner {
     }
 }
 
-/// Where the rays of a beam are across it, in its radii.
+/// Positions of the rays in the beam's cross-section, in its radii.
 const SPOTS: [Vec2; RAYS] = [
     Vec2::ZERO,
     Vec2::new(RING, 0.0),
@@ -372,7 +373,8 @@ impl Scene {
         Ok(Self { bvh: Bvh::new(&corners), owners, ground, low, high })
     }
 
-    /// How far the ray goes until it meets the ground or one of these triangles, and the number of the triangle; `u32::MAX` on the ground.
+    /// Distance at which the ray first meets the ground or one of these triangles, and the number of the
+    /// triangle; `u32::MAX` for the ground.
     fn first(&self, ray: &Ray, near: &[u32]) -> Option<(f32, u32)> {
         let hit = self.bvh.first_of(ray, near);
         let ground = self.ground.and_then(|ground| {

@@ -40,12 +40,12 @@ impl Outline {
         Ok(mended(contours, FillRule::NonZero))
     }
 
-    /// What an SVG document draws, a shape after the other in the order of drawing, with SVG's y turned up, in the
-    /// document's user units (96 an inch).
+    /// The shapes that an SVG document draws, one after the other in the order of drawing, with SVG's y
+    /// turned up, in the document's user units (96 per inch).
     ///
-    /// Paths and the basic shapes are read with their transforms, units, styles and fill rules; what is not drawn, such as
-    /// what stands in `<defs>`, `<clipPath>`, `<mask>`, `<marker>` or `<symbol>` or is hidden, is not; strokes count as the
-    /// line they follow, closed. Texts and images are left out.
+    /// Paths and the basic shapes are read with their transforms, units, styles and fill rules; what SVG does
+    /// not draw, such as hidden elements and the content of `<defs>`, `<clipPath>`, `<mask>`, `<marker>` and
+    /// `<symbol>`, is not read; strokes count as the line they follow, closed. Texts and images are left out.
     ///
     /// ```
     /// use treesynth::{glam::Vec2, shape::Outline};
@@ -120,7 +120,7 @@ impl Outline {
     }
 }
 
-/// Whether an element is not within one whose content SVG does not draw.
+/// `false` if an element is within one whose content SVG does not draw.
 fn is_drawn(node: roxmltree::Node<'_, '_>) -> bool {
     let hidden = ["defs", "clipPath", "mask", "marker", "symbol", "pattern", "metadata"];
     !node.ancestors().any(|node| hidden.contains(&node.tag_name().name()))
@@ -132,7 +132,7 @@ struct Pen {
     contours: Vec<Vec<DVec2>>,
     start: DVec2,
     at: DVec2,
-    /// Whether the latest contour still goes on.
+    /// `true` while the latest contour is unfinished.
     open: bool,
 }
 

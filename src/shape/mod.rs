@@ -61,7 +61,7 @@ pub const SMALLEST: f32 = 1e-6;
 /// at most 0.06 mm apart, and that is where trees should grow.
 pub const LARGEST: f32 = 1e6;
 
-/// How many points [`Shape::sample`] tries before it calls a shape empty.
+/// Number of points that [`Shape::sample`] tries before it calls a shape empty.
 const TRIES: u32 = 1 << 16;
 
 /// The lattice of [`Shape::volume`] has this many cells on each axis.
@@ -122,7 +122,7 @@ const STEPS: [f64; 3] = [0.819_172_513_396_164_5, 0.671_043_606_703_789_3, 0.549
 /// assert!((hedge.volume() - 24.67).abs() < 0.5);
 /// ```
 pub trait Shape: Send + Sync {
-    /// Whether `point` (metres) lies in the shape.
+    /// `true` if `point` (metres) lies in the shape.
     ///
     /// The shapes of this module are closed sets, their surface belongs to them, up to the rounding of `f32`;
     /// [`Shell`] and [`Difference`] lack the surface of what is taken away. O(1) for each simple shape in a
@@ -149,9 +149,10 @@ pub trait Shape: Send + Sync {
         lattice_volume(self.bounds(), |point| self.contains(point))
     }
 
-    /// Whether a point of the shape may lie in `bounds`. The default says yes.
+    /// `true` if a point of the shape may lie in `bounds`. The default is `true`.
     ///
-    /// Saying no where the shape is not saves looking there; saying no where it is leaves a hole in a graph.
+    /// `false` for a box without a point of the shape saves the search there; `false` for a box with one
+    /// leaves a hole in a graph.
     fn touches(&self, bounds: Bounds) -> bool {
         let _ = bounds;
         true

@@ -1,4 +1,4 @@
-//! What every shape must keep, over one list of shapes.
+//! The contract of every shape, checked over one list of shapes.
 
 use std::sync::Arc;
 

@@ -57,7 +57,7 @@ pub enum SkeletonError {
     /// An array is not as long as the positions.
     #[error("{array} has {length} entries, but there are {nodes} nodes")]
     Length {
-        /// Which array.
+        /// The array's name.
         array: &'static str,
         /// Its length.
         length: usize,
@@ -255,7 +255,7 @@ impl Skeleton {
         (1..self.len()).map(|node| (node, self.parents[node] as usize))
     }
 
-    /// Radius of each node's internode, metres. The root's is that of the tree's foot.
+    /// Radius of each node's internode, metres. The root's is that of the trunk base.
     pub fn radii(&self) -> &[f32] {
         &self.radii
     }
@@ -309,8 +309,8 @@ impl Skeleton {
         Branches::new(self)
     }
 
-    /// Whether this is a tree: one root at index 0, every parent before its child (hence no cycle), finite
-    /// positions, finite radii of at least zero, all arrays of one length. O(n).
+    /// Checks that this is a tree: one root at index 0, every parent before its child (hence no cycle),
+    /// finite positions, finite radii of at least zero, all arrays of one length. O(n).
     ///
     /// # Errors
     /// The first violation found.

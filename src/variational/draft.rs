@@ -73,8 +73,8 @@ impl Draft {
         self.len() - 1
     }
 
-    /// Whether shape nodes may hang on a node, and axes of later levels stand on it: the stem's nodes bear their n laterals
-    /// and nothing else.
+    /// `true` if a node may carry shape nodes and axes of later levels. The stem's nodes may not: they bear
+    /// their n laterals and nothing else.
     pub(super) fn is_open(&self, node: usize) -> bool {
         self.stages[node] > 0
     }

@@ -1,4 +1,4 @@
-//! What a tree costs: section 3.3, equations 4 to 8.
+//! The cost of a tree: section 3.3, equations 4 to 8.
 
 use glam::DVec3;
 
@@ -141,7 +141,7 @@ pub fn penalty(skeleton: &Skeleton, wishes: &[Wish], beta: f32) -> Result<Energy
     Ok(Energy { value: deviations(&positions, &parents, wishes, &thick, Soft::NONE, add), gradient })
 }
 
-/// How the kinks of the energy are rounded off, so that it has a slope everywhere.
+/// Rounding of the kinks of the energy, so that it has a slope everywhere.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Soft {
     /// Lengths are sqrt(l² + soft²), metres.

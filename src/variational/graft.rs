@@ -38,7 +38,7 @@ pub(super) struct Graft<'a> {
     thick: Vec<f64>,
     gone: Vec<bool>,
     powers: Powers,
-    /// Whether there will be no more twigs, so that shape nodes stay where they hang.
+    /// `true` once all twigs are there, so that shape nodes stay on their branch nodes.
     has_twigs: bool,
 }
 
@@ -180,8 +180,8 @@ impl<'a> Graft<'a> {
         any
     }
 
-    /// Whether a subtree may leave where it hangs: the stem stays, and so do whorls of its laterals, and no node is left
-    /// with nothing.
+    /// `true` if a subtree may be moved to another parent. The stem stays, whorls of its laterals stay, and
+    /// no node may lose the last thing that it carries.
     fn is_free(&self, node: u32) -> bool {
         let parent = self.parent(node) as usize;
         let left = self.children[parent].len() + self.carried[parent].len() - 1;
@@ -473,8 +473,8 @@ impl<'a> Graft<'a> {
         }
     }
 
-    /// What two items of a node save if they share a twig, and where it ends: Weiszfeld's steps from the best of some
-    /// places on the way to the middle of both.
+    /// The cost that two items of a node save if they share a twig, and the twig's end, found by Weiszfeld's
+    /// steps from the best of some places on the way to the middle of both.
     fn gain(&self, node: u32, both: [Item; 2]) -> (f64, DVec3) {
         let from = self.at(node);
         let [(a, flow_a, pull_a), (b, flow_b, pull_b)] = both.map(|item| self.item(item));

@@ -167,7 +167,7 @@ impl GuidanceShape {
         self.positions.len()
     }
 
-    /// Whether there are none.
+    /// `true` if there are no shape nodes.
     pub fn is_empty(&self) -> bool {
         self.positions.is_empty()
     }
@@ -187,11 +187,11 @@ impl GuidanceShape {
         Bounds::of(self.positions.iter().copied())
     }
 
-    /// Whether a tree can be made of this: two shape nodes or more, no two in one place, finite positions within
-    /// 1e6 metres of 0, one finite diameter above 0 each. O(n log n).
+    /// Checks that a tree can be made of this: two shape nodes or more, no two in one place, finite positions
+    /// within 1e6 metres of 0, one finite diameter above 0 each. O(n log n).
     ///
     /// # Errors
-    /// The first of these that is not so.
+    /// The first of these that does not hold.
     pub fn check(&self) -> Result<(), ParameterError> {
         let count = self.len();
         ParameterError::unless(

@@ -151,8 +151,8 @@ impl<'a> Model<'a> {
         terms
     }
 
-    /// How far branch nodes and the middles of internodes are from the shape, in wood; its slope is added. The trunk up to the
-    /// first branch node does not count.
+    /// Cost, in wood, of the distance of branch nodes and the middles of internodes from the shape; adds its
+    /// gradient to `slope`. The trunk up to the first branch node does not count.
     fn outside(&self, positions: &[DVec3], slope: &mut [DVec3]) -> f64 {
         let mut sum = 0.0;
         let count = if self.anchors.is_empty() { 0 } else { positions.len() };

@@ -17,7 +17,7 @@ const ELEMENT_ARRAY_BUFFER: u32 = 34963;
 #[derive(Debug)]
 pub(super) enum Array<'a> {
     Vertices(Vertices<'a>),
-    /// Of so many copies of a mesh, of two bytes each if `short`.
+    /// Indices of `copies` copies of a mesh, of two bytes each if `short`.
     Indices {
         mesh: &'a Mesh,
         copies: usize,
@@ -28,7 +28,7 @@ pub(super) enum Array<'a> {
     Rotations(&'a [Instance]),
     Scales(&'a [Instance], Option<Grid>),
     Tints(&'a [Instance]),
-    /// Four bones a vertex, and how much each has to say.
+    /// Four bones per vertex, and their weights.
     Bones(&'a [[u16; 4]]),
     Weights(&'a [Vec4]),
     /// Of bones, column by column.
@@ -83,7 +83,7 @@ impl Attribute {
         }
     }
 
-    /// Whether a mesh has it of its own.
+    /// `true` if the mesh has this attribute.
     pub(super) fn is_of(self, mesh: &Mesh) -> bool {
         match self {
             Self::Position | Self::Normal => true,
@@ -129,7 +129,7 @@ pub(super) struct Format {
     pub(super) normalized: bool,
     /// Bytes from an element to the next.
     pub(super) stride: u64,
-    /// Whether the last of these are of no meaning.
+    /// `true` if the last of these bytes are padding.
     pub(super) padded: bool,
 }
 

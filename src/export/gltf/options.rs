@@ -1,4 +1,4 @@
-//! What may be chosen of a glTF file.
+//! The options of a glTF file.
 
 use super::{Breeze, WindEncoding};
 use crate::ParameterError;
@@ -65,17 +65,17 @@ pub struct GlbOptions {
 }
 
 impl GlbOptions {
-    /// What [`with_name`](Self::with_name) sets.
+    /// The name set by [`with_name`](Self::with_name).
     pub fn name(&self) -> &str {
         &self.name
     }
 
-    /// What [`with_coverages`](Self::with_coverages) sets.
+    /// The coverages set by [`with_coverages`](Self::with_coverages).
     pub fn coverages(&self) -> &[f32] {
         &self.coverages
     }
 
-    /// What [`with_breeze`](Self::with_breeze) sets.
+    /// The breeze set by [`with_breeze`](Self::with_breeze).
     pub fn breeze(&self) -> Option<&Breeze> {
         self.breeze.as_ref()
     }
@@ -140,10 +140,10 @@ impl GlbOptions {
         self
     }
 
-    /// Whether numbers are rounded, so that a file has about half the bytes or less (`KHR_mesh_quantization`): positions to
-    /// 1/65,535 of the mesh's longest side, normals, tangents and colours to 8 bits, texture coordinates to 16 bits where all
-    /// lie in 0 to 1. Default false, for the extension is **required** then: readers without it reject the file. three.js,
-    /// Blender, Godot, Babylon.js and glTFast know it.
+    /// Rounds numbers, so that a file has about half the bytes or less (`KHR_mesh_quantization`): positions
+    /// to 1/65,535 of the mesh's longest side, normals, tangents and colours to 8 bits, texture coordinates
+    /// to 16 bits where all lie in 0 to 1. Default false, for the extension is **required** then: readers
+    /// without it reject the file. three.js, Blender, Godot, Babylon.js and glTFast know it.
     ///
     /// Each mesh's node scales it back. Moments and flutter of the wind are in the same numbers as the positions.
     pub fn with_quantization(mut self, quantization: bool) -> Self {

@@ -46,13 +46,15 @@ impl Breeze {
         Ok(Self { skeleton: skeleton.clone(), sway, gust: Vec3::X * 0.4, bones: 64 })
     }
 
-    /// Where the wind blows to, as long as it is strong: at most 1, the strongest [gust](Wind::blown). Default 0.4 along +X.
+    /// Direction in which the wind blows; its length is the strength, at most 1 for the strongest
+    /// [gust](Wind::blown). Default 0.4 along +X.
     pub fn with_gust(mut self, gust: Vec3) -> Self {
         self.gust = gust;
         self
     }
 
-    /// The most bones, 2 to 1024; default 64: the trunk has up to five, the largest limbs and twigs one each.
+    /// Greatest number of bones, 2 to 1024; default 64: the trunk has up to five, the largest limbs and twigs
+    /// one each.
     pub fn with_bones(mut self, most: usize) -> Self {
         self.bones = most;
         self

@@ -31,12 +31,12 @@ pub(super) enum Column {
     Moment(usize),
     Axis(usize),
     Flutter,
-    /// One of the pairs above; the one of number 0 is nothing.
+    /// One of the pairs above; pair 0 is zero.
     Pair(usize),
 }
 
 impl Column {
-    /// Numbers a vertex.
+    /// Numbers per vertex.
     pub(super) fn words(self) -> usize {
         match self {
             Self::Moment(_) | Self::Axis(_) => 3,
@@ -45,7 +45,7 @@ impl Column {
         }
     }
 
-    /// These numbers; the first so many count.
+    /// The numbers of this column; only the first [`words`](Self::words) of them count.
     pub(super) fn of(self, wind: &Wind) -> [f32; 3] {
         let [trunk, limb, twig] = wind.moments;
         let pair = |[x, y]: [f32; 2]| [x, y, 0.0];

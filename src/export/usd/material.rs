@@ -11,7 +11,7 @@ pub(super) struct Look {
     /// Of the part.
     pub(super) name: String,
     material: Material,
-    /// Whether vertices or copies have colours.
+    /// `true` if vertices or copies have colours.
     pub(super) colored: bool,
     color: Option<String>,
     normal: Option<String>,

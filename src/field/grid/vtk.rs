@@ -226,7 +226,7 @@ impl<R: BufRead> Reader<R> {
         Ok(samples)
     }
 
-    /// Vectors of three numbers, each from so many bytes.
+    /// Vectors of three numbers, each of `SIZE` bytes.
     fn binary<const SIZE: usize>(
         &mut self,
         count: usize,

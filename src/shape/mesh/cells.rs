@@ -16,7 +16,8 @@ const MOST_CELLS: f32 = 2_000_000.0;
 /// Cells along an axis.
 const MOST_ALONG: f32 = 400.0;
 
-/// Triangles reach into so many cells each at most, and this more in all; else there are fewer cells.
+/// Greatest mean number of cells that a triangle reaches into, and an allowance on top for all triangles
+/// together; if they are exceeded, the lattice is made of fewer cells.
 const REACH: usize = 64;
 const REACH_MORE: usize = 1 << 20;
 

@@ -20,7 +20,7 @@ pub(super) struct Prepared {
 pub(super) struct Side {
     pub(super) ends: [u32; 2],
     pub(super) triangle: u32,
-    /// Whether the triangle goes from the lower end to the higher.
+    /// `true` if the triangle goes from the end of lower number to that of higher.
     ascends: bool,
 }
 
@@ -117,7 +117,7 @@ pub(super) struct Patches {
 }
 
 impl Patches {
-    /// Whether each patch has sides at which it is not closed by itself.
+    /// For each patch, `true` if it has sides at which it is not closed by itself.
     pub(super) fn open(&self, triangles: &[[u32; 3]]) -> Vec<bool> {
         let mut open = vec![false; self.count];
         let mut sides = sides(triangles);

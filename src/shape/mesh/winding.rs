@@ -12,8 +12,8 @@ use crate::math::atan2;
 /// Triangles of a leaf, at most.
 const LEAF: usize = 8;
 
-/// A node farther away than so many of its radii counts as one small surface. Summed over all such nodes the error is up
-/// to 0.023 in the Stanford bunny; what matters is that it is far below a half.
+/// A node farther away than this many of its radii counts as one small surface. Summed over all such nodes
+/// the error is up to 0.023 in the Stanford bunny; what matters is that it is far below a half.
 const FAR: f32 = 3.0;
 
 /// Triangles in a hierarchy of balls.

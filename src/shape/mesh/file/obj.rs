@@ -11,7 +11,7 @@ use super::{MeshFormat, unreadable};
 use crate::shape::TriangleMeshError;
 use crate::text::{Lines, number, quoted, stranger, words};
 
-/// How many lines there were of each kind that faces name.
+/// Number of lines so far of each kind to which faces refer.
 #[derive(Default)]
 struct Counts {
     positions: i64,

@@ -69,7 +69,7 @@ fn turn(a: DVec2, b: DVec2, c: DVec2) -> f64 {
     (b - a).perp_dot(c - a)
 }
 
-/// Whether all corners turn left and the polygon goes around once.
+/// `true` if all corners turn left and the polygon goes around once.
 fn is_convex(flat: &[DVec2]) -> bool {
     let count = flat.len();
     let at = |i: usize| flat[i % count];
@@ -122,7 +122,8 @@ impl<'a> Ears<'a> {
         turn(self.flat[self.previous[i]], self.flat[i], self.flat[self.next[i]])
     }
 
-    /// Whether the triangle at corner `i` can be cut off: it has an area, and no other corner in it or on its cut.
+    /// `true` if the triangle at corner `i` can be cut off: it has an area, and no other corner in it or on
+    /// its cut.
     fn is_ear(&mut self, i: usize) -> bool {
         if self.turn_at(i) <= 0.0 {
             return false;

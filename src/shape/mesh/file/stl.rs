@@ -71,7 +71,7 @@ fn begin(reader: &mut (impl Read + Seek)) -> io::Result<(u64, Vec<u8>)> {
     Ok((length, start))
 }
 
-/// Whether a file begins as a text does that is an STL file, or was meant to be one.
+/// `true` if a file begins like a text: one that is an STL file, or was meant to be one.
 fn is_text(start: &[u8]) -> bool {
     let start = start.strip_prefix(BYTE_ORDER_MARK).unwrap_or(start);
     start.iter().all(|&byte| byte >= b' ' || byte.is_ascii_whitespace() || byte == 0x0B || byte == 0x1A)
