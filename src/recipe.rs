@@ -7,7 +7,7 @@ macro_rules! readable {
     (& $(@[$($generics:tt)*])? $name:ty { $($field:ident: $type:ty),* $(,)? }) => {
         impl $(<$($generics)*>)? $name {
             $(
-                #[doc = concat!("What [`with_", stringify!($field), "`](Self::with_", stringify!($field), ").")]
+                #[doc = concat!("The value set by [`with_", stringify!($field), "`](Self::with_", stringify!($field), ").")]
                 pub fn $field(&self) -> &$type {
                     &self.$field
                 }
@@ -17,7 +17,7 @@ macro_rules! readable {
     (in $part:ident: $name:ty { $($field:ident: $type:ty),* $(,)? }) => {
         impl $name {
             $(
-                #[doc = concat!("What [`with_", stringify!($field), "`](Self::with_", stringify!($field), ").")]
+                #[doc = concat!("The value set by [`with_", stringify!($field), "`](Self::with_", stringify!($field), ").")]
                 pub fn $field(&self) -> $type {
                     self.$part.$field
                 }
@@ -27,7 +27,7 @@ macro_rules! readable {
     ($(@[$($generics:tt)*])? $name:ty { $($field:ident: $type:ty),* $(,)? }) => {
         impl $(<$($generics)*>)? $name {
             $(
-                #[doc = concat!("What [`with_", stringify!($field), "`](Self::with_", stringify!($field), ").")]
+                #[doc = concat!("The value set by [`with_", stringify!($field), "`](Self::with_", stringify!($field), ").")]
                 pub fn $field(&self) -> $type {
                     self.$field
                 }

@@ -1,5 +1,5 @@
-//! An orthographic rasterizer: what a leaf, a twig or a tree looks like from far away, as colour, cover, normal, depth and
-//! the number of layers of leaves, a pixel each.
+//! An orthographic rasterizer: what a leaf, a twig or a tree looks like from far away, as colour, cover,
+//! normal, depth and the number of layers of leaves, one entry per pixel.
 
 use super::skin::Skin;
 use crate::math;
@@ -111,8 +111,8 @@ struct Corner {
 const MOST_POINTS: usize = 1 << 24;
 
 impl Raster {
-    /// A picture of so many pixels with `samples` x `samples` points in each, or fewer where that would be more than
-    /// [`MOST_POINTS`].
+    /// A picture of `width` x `height` pixels with `samples` x `samples` points in each, or fewer where that
+    /// would be more than [`MOST_POINTS`].
     pub(super) fn new(view: View, width: usize, height: usize, samples: usize) -> Self {
         let fits = |samples: &usize| width * height * samples * samples <= MOST_POINTS;
         let samples = (1..=samples).rev().find(fits).unwrap_or(1);

@@ -34,12 +34,12 @@ pub struct AssetBuilder {
 }
 
 impl AssetBuilder {
-    /// What [`with_bark_textures`](Self::with_bark_textures) sets.
+    /// The textures set by [`with_bark_textures`](Self::with_bark_textures).
     pub fn bark_textures(&self) -> Option<&Textures> {
         self.bark_textures.as_deref()
     }
 
-    /// What [`with_foliage`](Self::with_foliage) sets.
+    /// The foliage set by [`with_foliage`](Self::with_foliage).
     pub fn foliage(&self) -> Option<&Foliage> {
         self.foliage.as_ref()
     }
@@ -122,7 +122,8 @@ impl AssetBuilder {
     /// The radius below which wood wears young bark by default, metres.
     pub const THIN: f32 = 0.03;
 
-    /// How the wood on cards looks; by default as the bark in the mean colour of its images, those of thin wood if there are any.
+    /// Material of the wood on cards; by default that of the bark in the mean colour of its images, those of
+    /// thin wood if there are any.
     pub fn with_twigs(mut self, material: Material) -> Self {
         self.twigs = Some(material);
         self
@@ -172,16 +173,18 @@ impl AssetBuilder {
         self
     }
 
-    /// How much darker leaves and bark are deep in the crown, 0 (not at all) to 1; default 0.5. Leaves by their tints, as
-    /// [`Leaves::shaded`]; cards and impostors have it from them; bark in its [colours](crate::surface::Mesh::colors), which are there only
-    /// with leaves. It is occlusion of the sky, the same in every level.
+    /// Darkening of leaves and bark deep in the crown, 0 (none) to 1; default 0.5. Leaves are darkened by
+    /// their tints, as [`Leaves::shaded`] does it; cards and impostors take it over from them; bark is
+    /// darkened in its [colours](crate::surface::Mesh::colors), which are there only with leaves. It is
+    /// occlusion of the sky, the same in every level.
     pub fn with_canopy_shade(mut self, strength: f32) -> Self {
         self.canopy_shade = strength;
         self
     }
 
-    /// How far the normals of leaves and cards are bent outwards by the crown, 0 (they are not) to 1; default 0.5. Light falls on the
-    /// crown as on a round body then, and no back is black: see [`bend_normals`](crate::foliage::bend_normals).
+    /// Share by which the normals of leaves and cards are bent outwards, away from the crown's middle, 0
+    /// (they are not) to 1; default 0.5. Light falls on the crown as on a round body then, and no back is
+    /// black: see [`bend_normals`](crate::foliage::bend_normals).
     ///
     /// Copies with normals of their own become one mesh, without instances; without a budget, of a dense model, they
     /// are left as they are.

@@ -14,7 +14,7 @@ use std::f32::consts::FRAC_1_SQRT_2;
 pub(super) const TRIANGLES: usize = 4;
 /// Points along each side of a baked pixel.
 const SAMPLES: usize = 4;
-/// As opaque as so many leaves is wood.
+/// Number of layers of leaves that are as opaque as wood.
 const WOOD: f32 = 4.0;
 
 /// Leaves of the tree that cards may show.
@@ -195,7 +195,7 @@ pub(super) fn instance(cluster: &Cluster, kind: &Kind, larger: f32) -> Instance 
     Instance { position, rotation, scale, node, tint: cluster.tint }
 }
 
-/// How a flat twig bends away from its plane: `a + b·x + c·y + d·x·y` by least squares.
+/// Deviation of a flat twig from its plane: `a + b·x + c·y + d·x·y` by least squares.
 struct Bend([f64; 4]);
 
 impl Bend {

@@ -26,7 +26,7 @@ impl Asset {
     /// ```
     ///
     /// # Errors
-    /// What [`Mask::cut`] refuses; a setting of the textures out of its range.
+    /// As [`Mask::cut`]; a setting of the textures out of its range.
     pub fn coated(
         &self,
         name: &'static str,
@@ -61,7 +61,7 @@ impl Asset {
     /// with algae. Vertex colours carry it, so that it costs nothing; wetness as a gloss is a matter of the material.
     ///
     /// # Errors
-    /// What [`Mask::tint`] refuses.
+    /// As [`Mask::tint`].
     pub fn tinted(&self, mask: &Mask, color: [f32; 3]) -> Result<Self, AssetError> {
         let mut asset = self.clone();
         for mesh in asset.barks_mut() {

@@ -17,9 +17,9 @@ use std::sync::Arc;
 /// Drawn steps from one report to the next.
 const DRAWN: usize = 1024;
 
-/// How much billboards' normals look up, beside their own length.
+/// Upward component that is added to billboards' unit normals.
 const UPWARD: f32 = 0.6;
-/// What is left of their part toward the viewer.
+/// Share that is kept of their part toward the viewer.
 const FACING: f32 = 0.35;
 /// Points along each side of a baked pixel.
 const SAMPLES: usize = 3;
@@ -63,7 +63,7 @@ impl Impostor {
         self
     }
 
-    /// Whether one more lies, at half the height, for views from above; default false.
+    /// Adds a horizontal billboard at half the height, for views from above; default false.
     pub fn with_lying(mut self, lying: bool) -> Self {
         self.lying = lying;
         self
@@ -329,7 +329,7 @@ pub struct Octahedral {
     pub color: Image,
     /// Normals in the tree's own axes, each channel from -1 (0) to 1 (255).
     pub normal: Image,
-    /// How far toward the viewer the surface is, from -radius (0) to +radius (255); 0 where there is nothing.
+    /// Offset of the surface toward the viewer, from -radius (0) to +radius (255); 0 where there is nothing.
     pub depth: Image,
     /// Views along each side.
     pub grid: u32,

@@ -14,9 +14,9 @@ use std::f32::consts::TAU;
 
 /// Points along each side of a pixel of a picture that is measured: four in all, as renderers have them.
 pub(super) const SAMPLES: usize = 2;
-/// Pictures in which a tree is less high, pixels, are drawn several times.
+/// Pictures in which a tree is lower than this, pixels, are drawn several times.
 const LARGE: f32 = 120.0;
-/// As often at the most.
+/// The greatest number of times.
 const TIMES: f32 = 9.0;
 /// Direction of the light, as the viewer sees it.
 const LIGHT: Vec3 = Vec3::new(0.36, 0.73, 0.58);
@@ -39,8 +39,8 @@ pub struct Likeness {
 }
 
 impl Likeness {
-    /// Compares `model` with `full` from four sides, in pictures in which `full` is so many pixels high, 8 to 2048; small
-    /// pictures are drawn up to nine times, each a part of a pixel beside the others.
+    /// Compares `model` with `full` from four sides, in pictures in which `full` is `pixels` pixels high, 8
+    /// to 2048; small pictures are drawn up to nine times, each offset by part of a pixel from the others.
     ///
     /// # Errors
     /// A height out of range; parts that cannot be drawn; nothing to be seen.
@@ -203,7 +203,7 @@ pub(super) struct Frame {
 }
 
 impl Frame {
-    /// In which the model is about so many pixels high.
+    /// A frame in which the model is about `pixels` pixels high.
     pub(super) fn of(parts: &[Part<'_>], pixels: usize) -> Result<Self, AssetError> {
         check(parts)?;
         let bounds = bounds(parts).ok_or(AssetError::Nothing)?;
@@ -220,7 +220,7 @@ impl Frame {
         Self { center, size, pixel, half, width, height }
     }
 
-    /// About the same model in pictures in which it is so many pixels high.
+    /// The frame of the same model in pictures in which it is `pixels` pixels high.
     pub(super) fn at(&self, pixels: usize) -> Self {
         Self::about(self.center, self.size, pixels)
     }
@@ -231,8 +231,8 @@ impl Frame {
         (smaller * smaller).clamp(1.0, TIMES) as usize
     }
 
-    /// The view of such a time: moved by a part of a pixel, evenly spread (Roberts 2018, "The Unreasonable Effectiveness of
-    /// Quasirandom Sequences"); not moved the first time.
+    /// The view of one of these times: moved by a part of a pixel, evenly spread (Roberts 2018, "The
+    /// Unreasonable Effectiveness of Quasirandom Sequences"); not moved the first time.
     pub(super) fn view_beside(&self, yaw: f32, lift: f32, number: usize) -> View {
         let mut view = self.view(yaw, lift);
         let part = |step: f32| self.pixel * ((number as f32 * step + 0.5).fract() - 0.5);
@@ -245,7 +245,7 @@ impl Frame {
         self.pixel
     }
 
-    /// How high the model is, pixels.
+    /// Height of the model, pixels.
     pub(super) fn pixels(&self) -> f32 {
         self.size.y / self.pixel
     }

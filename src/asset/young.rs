@@ -14,7 +14,8 @@ use std::sync::Arc;
 
 /// The greatest part of the thickest radius that counts as thin, so that small trees have a trunk too.
 const THIN: f32 = 0.4;
-/// How far from the change the mean colours are their own, in its radius: on thick wood, and on thin.
+/// Radii, as multiples of that at which thick wood changes to thin, beyond which wood has its own mean
+/// colour: on thick wood, and on thin.
 const FADES: (f32, f32) = (2.0, 0.4);
 /// Means that differ by less are the same.
 const SAME: f32 = 0.004;
@@ -46,7 +47,7 @@ impl Young {
         let mut around = vec![0.0f32; thin.firsts.len()];
         for corners in mesh.triangles() {
             let node = |corner: u32| mesh.wind[corner as usize].node as usize;
-            // The foot of a collar moves with the parent branch, but belongs to the branch it bears.
+            // The base of a collar moves with the parent branch, but belongs to the branch it bears.
             let owner = corners.map(|corner| thin.branches[node(corner)]).into_iter().fold(0, u32::max);
             let is_thin = corners.iter().any(|&corner| {
                 let node = node(corner);
@@ -96,9 +97,9 @@ impl Young {
     }
 }
 
-/// Which wood is thin.
+/// The wood that is thin.
 struct Thin {
-    /// Of each node whether its internode is.
+    /// For each node, `true` if its internode is thin.
     nodes: Vec<bool>,
     /// The branch that each node's internode belongs to.
     branches: Vec<u32>,
@@ -169,7 +170,7 @@ fn fade(old: &mut Piece, young: &mut Piece, radii: &[f32], change: f32) {
     }
 }
 
-/// How thin wood looks on cards.
+/// Material of thin wood on cards.
 pub(super) fn on_cards(young: &Young, bark: Material) -> Material {
     let (own, mean) = (bark.color(), young.mean_color());
     bark.with_color([own[0] * mean[0], own[1] * mean[1], own[2] * mean[2]])

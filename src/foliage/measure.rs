@@ -1,4 +1,4 @@
-//! What botanists measure on leaves.
+//! The measures that botanists take on leaves.
 
 use super::Leaves;
 use crate::Skeleton;
@@ -20,8 +20,8 @@ impl Leaves {
         (ground > 0.0).then(|| self.area() / ground)
     }
 
-    /// How far each leaf is from level, radians: 0 for a leaf that lies flat, whichever side is up, π/2 for one that hangs or
-    /// stands. In the order of the instances.
+    /// Inclination of each leaf from the horizontal, radians: 0 for a leaf that lies flat, whichever side is
+    /// up, π/2 for one that hangs or stands. In the order of the instances.
     pub fn inclinations(&self) -> impl ExactSizeIterator<Item = f32> + '_ {
         self.instances.iter().map(|leaf| {
             let normal = leaf.rotation_matrix() * Vec3::Z;

@@ -9,7 +9,8 @@ use crate::surface::{Instance, is_far, step};
 use glam::{Mat3, Quat, Vec3};
 use std::f32::consts::TAU;
 
-/// A leaf is at least so many steps of 32-bit floats long, so that it keeps its shape where it is copied to its place.
+/// Least length of a leaf in steps of 32-bit floats, so that it keeps its shape where it is copied to its
+/// place.
 const LEAST: f32 = 8.0;
 
 /// Leaves placed from one report to the next.
@@ -124,7 +125,8 @@ impl<'a> Twig<'a> {
     fn internode(&self, i: usize) -> Internode {
         let (positions, radii) = (self.skeleton.positions(), self.skeleton.radii());
         let [from, to] = [self.nodes[i - 1], self.nodes[i]].map(|node| node as usize);
-        // As the surface has it: a branch starts with the radius of its first internode, the trunk with its foot's.
+        // As the surface has it: a branch starts with the radius of its first internode, the trunk with that
+        // of its base.
         let start = if i > 1 || self.number == 0 { radii[from] } else { radii[to] };
         let way = positions[to] - positions[from];
         Internode {

@@ -14,13 +14,14 @@ const SHOWN: f32 = 0.5;
 const FROM_BELOW: f32 = 0.25;
 
 impl Leaves {
-    /// Darkens leaves by how deep they are in the crown: their [tint](crate::surface::Instance::tint) is multiplied by
-    /// `1 - strength·(1 - light)`, where light is what reaches them through the other leaves in the part of the brightest
-    /// leaf. `strength` is 0 (nothing changes) to 1.
+    /// Darkens leaves by how deep they are in the crown: their [tint](crate::surface::Instance::tint) is
+    /// multiplied by `1 - strength·(1 - light)`, where `light` is the light that reaches them through the
+    /// other leaves, as a share of that of the brightest leaf. `strength` is 0 (nothing changes) to 1.
     ///
-    /// Light comes from 14 directions, from above four times as much as from below, and gets less by Beer and Lambert's
-    /// law: by exp(-area / 2) for each square metre of leaves a square metre, on a grid of at most 24 cells a side.
-    /// O(leaves + cells) time. It is occlusion of the sky, not a shadow of the sun.
+    /// Light comes from 14 directions, from above four times as much as from below, and is absorbed by Beer
+    /// and Lambert's law, as exp(-area / 2) for `area` square metres of leaves per square metre, on a grid of
+    /// at most 24 cells per side. O(leaves + cells) time. It is occlusion of the sky, not a shadow of the
+    /// sun.
     ///
     /// ```
     /// use treesynth::foliage::{Foliage, Leaf};
@@ -55,7 +56,7 @@ pub(crate) struct Canopy {
     cell: f32,
     size: IVec3,
     lights: Vec<f32>,
-    /// What reaches the leaf that has most of it.
+    /// The light that reaches the brightest leaf.
     brightest: f32,
 }
 
@@ -95,7 +96,8 @@ impl Canopy {
         Some(canopy)
     }
 
-    /// By what colours at a point are multiplied: 1 where it is brightest, down to `1 - strength` where no light comes.
+    /// Factor on the colours at a point: 1 where it is brightest, down to `1 - strength` where no light
+    /// comes.
     pub(crate) fn factor(&self, point: Vec3, strength: f32) -> f32 {
         let light = if self.brightest > 0.0 { (self.light(point) / self.brightest).min(1.0) } else { 1.0 };
         1.0 - strength * (1.0 - light)
