@@ -1,4 +1,4 @@
-//! Whether each tube touches the branch that bears it, measured on the triangles.
+//! Gaps between tubes and their parent branches, measured on the triangles.
 
 use super::weave::Plan;
 use super::{Mesh, Tubes};
@@ -85,8 +85,8 @@ impl Body {
         best.sqrt()
     }
 
-    /// Whether its triangles wind around a point, from what a ray from there crosses. Several rays vote, for one may
-    /// graze an edge.
+    /// `true` if its triangles wind around a point, judged by the triangles that rays from there cross.
+    /// Several rays vote, since one may graze an edge.
     fn holds(&self, point: DVec3) -> bool {
         let ways =
             [DVec3::new(0.31, 0.53, 0.79), DVec3::new(-0.83, 0.27, 0.49), DVec3::new(0.43, -0.71, 0.56)];
@@ -182,7 +182,7 @@ fn gaps(skeleton: &Skeleton, options: &Tubes) -> Vec<Gap> {
     gaps_of(&tubes, &mesh, 1)
 }
 
-/// The same of tubes in a mesh, each or one of so many.
+/// The gaps of the tubes in a mesh: of every `each`-th tube.
 fn gaps_of(tubes: &[Tube], mesh: &Mesh, each: usize) -> Vec<Gap> {
     let mut bodies: Vec<Option<Body>> = tubes.iter().map(|_| None).collect();
     let mut gaps = Vec::new();
@@ -221,7 +221,8 @@ mod tests {
         }
     }
 
-    /// The trees of all presets of the four systems, with so many nodes for each preset of the first two.
+    /// Checks the trees of all presets of the guided and the variational system, with `nodes` nodes and
+    /// `shape_nodes` shape nodes each.
     fn hold_presets(seeds: u64, nodes: usize, shape_nodes: usize, options: &Tubes) {
         for seed in 0..seeds {
             for preset in presets::guided() {
@@ -345,7 +346,8 @@ mod tests {
         result.expect("no gap opens");
     }
 
-    /// Of so many tubes of a tree of full size one is looked at, and of so many presets one: all of them take minutes.
+    /// One tube in this many is checked on trees of full size, and some of the presets, since all of them
+    /// take minutes.
     const SAMPLED: usize = 23;
 
     #[test]

@@ -22,7 +22,7 @@ const SHARPEST_TURN: f32 = -0.5;
 const MOST_PARTS: f32 = 64.0;
 /// Height of the root flare, in radii of the trunk base.
 const FLARE_REACH: f32 = 4.0;
-/// The longest part of a flared internode, in radii of the foot.
+/// The longest part of a flared internode, in radii of the trunk base.
 const FLARE_PART: f32 = 0.5;
 
 /// Place of a ring.
@@ -74,7 +74,7 @@ impl Station {
 pub(super) struct Axis {
     /// The stations of its rings.
     pub(super) stations: Range<usize>,
-    /// Whether the station before these is the start of a collar that leads to the first of them.
+    /// `true` if the station before these is the start of a collar that leads to the first of them.
     pub(super) has_collar: bool,
     /// The first station of its wood: that of its first ring, or the start of its collar.
     pub(super) wood: usize,
@@ -193,7 +193,8 @@ struct Sampler<'a> {
 }
 
 impl Sampler<'_> {
-    /// The trunk has a foot of its own; any other branch starts with the radius of its first internode.
+    /// Collects the knots of a branch. The trunk base has a radius of its own; any other branch starts with
+    /// the radius of its first internode.
     fn gather(&mut self, skeleton: &Skeleton, nodes: &[u32], is_trunk: bool) {
         self.knots.clear();
         for (i, &node) in nodes.iter().enumerate() {
@@ -242,7 +243,7 @@ impl Sampler<'_> {
         if knots.iter().all(|knot| knot.radius == 0.0) {
             return false;
         }
-        // A trunk that leans up to 60° still stands on the ground with its whole foot.
+        // A trunk that leans up to 60° still stands on the ground with its whole base.
         let stands = stands && knots[1].direction.dot(UP) > 0.5;
         let tangent_at = |i: usize| match i {
             0 if stands => UP,
@@ -341,7 +342,7 @@ fn across(seam: Vec3, tangent: Vec3) -> Vec3 {
     if across.length_squared() > 1e-4 { across.normalize() } else { perpendicular(tangent) }
 }
 
-/// Rings begin where they are seen least: on the side of the bearing branch's foot.
+/// Rings begin where they are seen least: on the side of the parent branch's base.
 fn seam(skeleton: &Skeleton, bearer: usize) -> Vec3 {
     let Some(parent) = skeleton.parent(bearer) else { return Vec3::ZERO };
     (skeleton.positions()[parent] - skeleton.positions()[bearer]).normalize_or_zero()

@@ -1,4 +1,4 @@
-//! Which internode a point is next to.
+//! Search for the internode that is nearest to a point.
 
 use super::sway::part;
 use glam::Vec3;

@@ -8,7 +8,7 @@ use crate::parallel;
 use crate::{Bounds, ParameterError, Skeleton};
 use std::{iter, mem};
 
-/// How much the error grows from one try to the next, until a level is small enough.
+/// Factor on the error from one try to the next, until a level is small enough.
 const STEP: f32 = 1.25;
 /// Tries until triangles are halved, mostly.
 const USUAL: usize = 4;
@@ -49,10 +49,11 @@ crate::recipe::readable!(&Levels { tubes: Tubes });
 pub struct Level {
     /// The surface.
     pub mesh: Mesh,
-    /// Greatest difference from the smooth tubes, metres. Show it from where this is less than a pixel: at a
-    /// distance of `error · height / (2·tan(fov / 2))`, for a picture of so many pixels height and a vertical field of
-    /// view. In [screen coverage](crate::export::GlbOptions::with_coverages) that is, for all levels but the last, the tree's
-    /// height over the next level's error and the picture's height in pixels; 0 for the last.
+    /// Greatest difference from the smooth tubes, metres. Show the level from the distance at which this is
+    /// less than a pixel: `error · height / (2·tan(fov / 2))` for a picture of `height` pixels height and the
+    /// vertical field of view `fov`. In [screen coverage](crate::export::GlbOptions::with_coverages) that is,
+    /// for all levels but the last, the tree's height over the next level's error and the picture's height in
+    /// pixels; 0 for the last.
     pub error: f32,
 }
 
@@ -151,7 +152,7 @@ impl Levels {
 }
 
 impl Tubes {
-    /// The most detailed tubes of at most so many triangles.
+    /// The most detailed tubes of at most `triangles` triangles.
     ///
     /// That is [`with_error`](Self::with_error) at the least error that keeps the budget, found in steps of an eighth, but
     /// branches go sooner than the others lose their shape: those that show less than 4 (2 `error`)² with all they bear. A
@@ -179,7 +180,7 @@ impl Tubes {
         triangles: usize,
         watch: &Watch<'_>,
     ) -> Result<(Level, Vec<bool>), SurfaceError> {
-        /// How much the error grows from one step to the next.
+        /// Factor on the error from one step to the next.
         const STEP: f32 = 1.125;
         /// Of the thickest radius: the least error tried.
         const LEAST: f32 = 1e-3;
@@ -219,7 +220,8 @@ impl Tubes {
     }
 }
 
-/// The least step after `step` at which there are at most so many triangles, and its plan; `None` if there is none.
+/// The least step after `step` at which there are at most `most` triangles, and its plan; `None` if there is
+/// none.
 ///
 /// Triangles get fewer with every step, so that it is looked for from where it mostly is.
 fn half(

@@ -62,7 +62,7 @@ impl Material {
         self
     }
 
-    /// Whether triangles are seen from behind too, as leaves should be.
+    /// Makes triangles visible from behind too, as leaves should be.
     pub const fn with_double_sided(mut self, double_sided: bool) -> Self {
         self.double_sided = double_sided;
         self
@@ -83,7 +83,7 @@ impl Material {
         self.roughness
     }
 
-    /// Whether triangles are seen from behind too.
+    /// `true` if triangles are visible from behind too.
     pub fn is_double_sided(&self) -> bool {
         self.double_sided
     }

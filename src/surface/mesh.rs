@@ -51,7 +51,7 @@ pub enum MeshError {
     /// An array is not as long as the positions.
     #[error("{array} has {length} entries, but there are {vertices} vertices")]
     Length {
-        /// Which array.
+        /// The array's name.
         array: &'static str,
         /// Its length.
         length: usize,
@@ -171,7 +171,7 @@ impl Mesh {
         self.triangles().map(of).sum()
     }
 
-    /// Whether there is nothing to see: no triangles.
+    /// `true` if there are no triangles.
     pub fn is_empty(&self) -> bool {
         self.indices.is_empty()
     }
@@ -222,7 +222,7 @@ impl Mesh {
         }
     }
 
-    /// Whether the arrays fit together: lengths, indices in range, finite positions, unit normals, and no
+    /// Checks that the arrays fit together: lengths, indices in range, finite positions, unit normals, and no
     /// triangle without area. An empty mesh is sound. O(n).
     ///
     /// # Errors
@@ -299,7 +299,7 @@ impl Mesh {
     }
 }
 
-/// Whether a triangle has an area that 32-bit floats can tell from zero.
+/// `true` if a triangle has an area that 32-bit floats can tell from zero.
 #[inline]
 pub(super) fn has_area([a, b, c]: [Vec3; 3]) -> bool {
     (b - a).cross(c - a).length_squared() > 0.0

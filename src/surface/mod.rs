@@ -126,7 +126,7 @@ pub enum SurfaceError {
         /// Its radius, metres.
         radius: f32,
     },
-    /// So far from the origin that 32-bit floats cannot tell the surface's vertices apart.
+    /// The surface is so far from the origin that 32-bit floats cannot tell its vertices apart.
     #[error(
         "at {position} m 32-bit floats have steps of {step} m, which turn over or flatten the triangles of {}% of the \
          surface; take an offset off the positions, such as the trunk base, make the surface there, and move it where \
@@ -134,9 +134,9 @@ pub enum SurfaceError {
         (lost * 100.0).ceil()
     )]
     Shapeless {
-        /// Where the surface is, metres; 0 on axes on which it is near the origin.
+        /// Position of the surface, metres; 0 on axes on which it is near the origin.
         position: Vec3,
-        /// What is between one number and the next there, metres.
+        /// Distance between neighbouring 32-bit floats there, metres.
         step: f32,
         /// The share of the surface whose triangles lose their shape, 0 to 1.
         lost: f32,

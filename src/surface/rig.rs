@@ -31,8 +31,8 @@ pub(crate) struct Joint {
 /// Bones of a skeleton: the trunk has up to five, the largest limbs and twigs one each, and what is smaller goes with what
 /// bears it.
 ///
-/// Where a branch begins it has its parent branch's weights, and its own bone takes over in its lower half; so the motion is
-/// continuous at every junction.
+/// At its base a branch has the weights of its parent branch, and its own bone takes over in its lower half;
+/// so the motion is continuous at every junction.
 #[derive(Debug)]
 pub(crate) struct Rig {
     /// Parents first; the first does not move.
@@ -44,7 +44,7 @@ pub(crate) struct Rig {
 }
 
 impl Rig {
-    /// At most so many bones, at least two. O(n + branches · log branches).
+    /// A rig of at most `most` bones, at least two. O(n + branches · log branches).
     pub(crate) fn of(skeleton: &Skeleton, sway: &Sway, most: usize) -> Self {
         let positions = skeleton.positions();
         let parents: Vec<u32> =

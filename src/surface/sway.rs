@@ -1,4 +1,4 @@
-//! What the wind does to a skeleton.
+//! Bending of a skeleton in the wind.
 
 use super::axis::thickest;
 use super::internodes::Internodes;
@@ -11,8 +11,8 @@ use glam::Vec3;
 
 /// The most that the trunk, a limb and a twig turn what they bear, radians at the strongest gust.
 const MOST: [f32; 3] = [0.12, 0.2, 0.25];
-/// The strain of the bark at the strongest gust: a branch bends by this over its radius, radians a metre. One strain for
-/// all, since trees grow so that thick and thin are equally safe (Metzger 1893).
+/// The strain of the bark at the strongest gust: a branch bends by this over its radius, radians per metre.
+/// One strain for all, since trees grow so that thick and thin are equally safe (Metzger 1893).
 const STRAIN: f32 = 0.004;
 /// The thinnest radius, in the thickest.
 const THINNEST: f32 = 1e-3;
@@ -21,12 +21,12 @@ const CHUNK: usize = 4096;
 
 /// Motion of a skeleton in the wind; gives [`Wind`] to a mesh, whatever made it.
 ///
-/// A branch bends by a [strain](https://en.wikipedia.org/wiki/Bending) of 0.4% at the strongest gust: by 0.004 over its
-/// radius, radians a metre, so that thin wood bends more than thick. What adds up along a limb approaches a bound: a
-/// turn x becomes x·m / (x + m), with m = 0.12 rad for the trunk, 0.2 for a limb and 0.25 for a twig with all it bears.
-/// A branch begins to bend where it is out of its parent branch.
+/// A branch bends by a [strain](https://en.wikipedia.org/wiki/Bending) of 0.4% at the strongest gust: by
+/// 0.004 over its radius, radians per metre, so that thin wood bends more than thick. What adds up along a
+/// limb approaches a bound: a turn x becomes x·m / (x + m), with m = 0.12 rad for the trunk, 0.2 for a limb
+/// and 0.25 for a twig with all it bears. A branch begins to bend where it is out of its parent branch.
 ///
-/// O(nodes) time; 76 bytes of memory a node, 28 a branch.
+/// O(nodes) time; 76 bytes of memory per node, 28 per branch.
 ///
 /// ```
 /// use treesynth::surface::{Sway, Tubes};
@@ -54,7 +54,7 @@ pub struct Sway {
     radii: Vec<f32>,
 }
 
-/// How a place of a branch turns, level by level, and moves.
+/// Rotation of a place of a branch, level by level, and its motion.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Bend {
     pub(crate) at: Vec3,
@@ -86,7 +86,7 @@ impl Bend {
 }
 
 impl Sway {
-    /// How it bends.
+    /// The bending of a skeleton.
     ///
     /// # Errors
     /// Radii that are all zero; a node more than a million kilometres out or thick.

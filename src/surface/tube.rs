@@ -18,12 +18,13 @@ const MOST_WIDENING: f32 = 1.3;
 
 /// A smooth tube along every branch, with a collar where it leaves the one that bears it, and a round tip.
 ///
-/// What it guarantees: triangles face outward and have an area; normals are of unit length, tangents too and
-/// perpendicular to them; the same skeleton gives the same bits; axes go through the nodes, and the radius at a node is
-/// the skeleton's, but for the [root flare](Self::with_root_flare) and within an [error](Self::with_error) that was
-/// asked for; every tube but the trunk touches the wood that bears it. What it does not: the collar lies on the parent
-/// branch and is not cut out of it, so that triangles within cross, and the mesh is not watertight; where a branch
-/// bends more tightly than it is thick, its own rings may cross.
+/// Guaranteed: triangles face outward and have an area; normals are of unit length, tangents too and
+/// perpendicular to them; the same skeleton gives the same bits; axes go through the nodes, and the radius at
+/// a node is the skeleton's, but for the [root flare](Self::with_root_flare) and within an
+/// [error](Self::with_error) that was asked for; every tube but the trunk touches the wood that bears it. Not
+/// guaranteed: the collar lies on the parent branch and is not cut out of it, so that triangles within cross,
+/// and the mesh is not watertight; where a branch bends more tightly than it is thick, its own rings may
+/// cross.
 ///
 /// **Axes** are cubic Hermite curves with Catmull-Rom tangents. They follow every kink of a path through a graph; relax
 /// these first, as by [`Skeleton::relaxed`]`(0.5, 3)`. Frames are carried along without twist. Internodes shorter
@@ -67,7 +68,7 @@ pub struct Tubes {
     least_sides: u32,
     turn: f32,
     pub(super) error: Option<f32>,
-    /// How large what is left out may be beside the error.
+    /// Factor on the error that limits the size of branches that are left out.
     unseen: f32,
     pub(super) root_flare: f32,
     pub(super) collars: bool,
@@ -154,15 +155,15 @@ impl Tubes {
         self
     }
 
-    /// Whether branches blend into what bears them; default true. Without, they are stuck into it, which saves
-    /// a ring or more a branch.
+    /// Makes branches blend into their parent branch by a collar; default true. Without, they are stuck into
+    /// it, which saves a ring or more per branch.
     pub fn with_collars(mut self, collars: bool) -> Self {
         self.collars = collars;
         self
     }
 
-    /// Whether tubes get a flat cap where they start, so that each is a closed body; default false, since the
-    /// base of the trunk is in the ground and the others' are inside the branch that bears them.
+    /// Closes the base of each tube with a flat cap, so that each is a closed body; default false, since the
+    /// trunk base is in the ground and the other bases are inside the parent branch.
     pub fn with_closed_base(mut self, closed: bool) -> Self {
         self.closed_base = closed;
         self
@@ -174,7 +175,7 @@ impl Tubes {
         self
     }
 
-    /// Whether squares of bark stay squares as branches grow thin; default false.
+    /// Keeps squares of bark square as branches grow thin; default false.
     ///
     /// The number of squares around a branch is whole and the same all along it, so that nothing jumps; where a branch is
     /// half as thick as at its base, a square is half as wide. By default it is as long there as at the base, and ridges
@@ -187,31 +188,34 @@ impl Tubes {
         self
     }
 
-    /// Whether branches that taper have fewer and fewer squares around, so that texels stay about as large; default false.
+    /// Gives branches that taper fewer and fewer squares around, so that texels stay about as large; default
+    /// false.
     ///
-    /// By default the number of squares around a branch is the same all along it, and texels are as much smaller as it is thinner:
-    /// by a factor of ten and more along a trunk. With this a new number begins at the first fork where the branch is thinner than
-    /// where the last began by a factor of 1.6, that of the mean of both ends. There bark does not continue: v does, u does not, which a
-    /// ring of doubled vertices makes possible. That seam lies at a fork, but it may be seen on smooth trunks with strongly drawn bark.
+    /// By default the number of squares around a branch is the same all along it, and texels shrink in
+    /// proportion to its radius: by a factor of ten and more along a trunk. With this a new number begins at
+    /// the first fork where the branch is thinner than where the last began by a factor of 1.6, that of the
+    /// mean of both ends. There bark does not continue: v does, u does not, which a ring of doubled vertices
+    /// makes possible. That seam lies at a fork, but it may be seen on smooth trunks with strongly drawn
+    /// bark.
     pub fn with_even_texels(mut self, even: bool) -> Self {
         self.even_texels = even;
         self
     }
 
-    /// Whether vertices have [`Wind`](super::Wind), so that they move with the skeleton's [`Sway`]; default false. Junctions
-    /// stay closed at every gust, in every [level](super::Levels).
+    /// Gives vertices [`Wind`](super::Wind), so that they move with the skeleton's [`Sway`]; default false.
+    /// Junctions stay closed at every gust, in every [level](super::Levels).
     pub fn with_wind(mut self, wind: bool) -> Self {
         self.wind = wind;
         self
     }
 
-    /// Whether the number of squares changes along branches.
+    /// `true` if the number of squares changes along branches.
     #[cfg_attr(not(feature = "texture"), allow(dead_code, reason = "only assets ask"))]
     pub(crate) fn has_even_texels(&self) -> bool {
         self.even_texels
     }
 
-    /// Whether vertices have wind.
+    /// `true` if vertices have wind.
     #[cfg_attr(not(feature = "texture"), allow(dead_code, reason = "only assets ask"))]
     pub(crate) fn has_wind(&self) -> bool {
         self.wind
@@ -239,7 +243,7 @@ impl Tubes {
         Ok(mesh)
     }
 
-    /// The same, about four steps a node.
+    /// As [`mesh`](Self::mesh), with about four steps per node.
     pub(crate) fn mesh_watched(&self, skeleton: &Skeleton, watch: &Watch<'_>) -> Result<Mesh, SurfaceError> {
         let offset = far::offset_of(skeleton);
         let plan = self.plan_watched(&far::near(skeleton, offset), watch)?;
@@ -251,7 +255,7 @@ impl Tubes {
         self.plan_watched(skeleton, &Watch::silent())
     }
 
-    /// The same, two steps a node.
+    /// As `plan`, with two steps per node.
     pub(super) fn plan_watched(&self, skeleton: &Skeleton, watch: &Watch<'_>) -> Result<Plan, SurfaceError> {
         self.check()?;
         let axes = if skeleton.segments() == 0 { Axes::default() } else { Axes::of(skeleton, self, watch)? };
@@ -303,7 +307,7 @@ impl Tubes {
         .max(1.0)
     }
 
-    /// Whether a branch so thick has a collar.
+    /// `true` if a branch of this radius has a collar.
     pub(super) fn blends(&self, radius: f32) -> bool {
         self.collars && radius > self.error.unwrap_or(0.0)
     }

@@ -23,8 +23,8 @@ use std::f32::consts::TAU;
 /// cross(cross(axis, F), moment) = F·dot(axis, moment) - axis·dot(F, moment)
 /// ```
 ///
-/// The moment is the integral, along the way from the level's base to the vertex, of the bending (radians a metre, at the
-/// strongest gust) times the way from there to the vertex. Last, what flutters moves by
+/// The moment is the integral, along the way from the level's base to the vertex, of the bending (radians per
+/// metre, at the strongest gust) times the way from there to the vertex. Last, what flutters moves by
 ///
 /// ```text
 /// (up·|g| + g)·0.7·flutter·sin(2π·t·20 / 8 s + dot(position, (9, 7, 11)))
@@ -72,7 +72,7 @@ const CYCLES: [f32; 3] = [2.0, 5.0, 10.0];
 const FLUTTERS: f32 = 20.0;
 /// Phase between a level's swings and another's, radians for its axis.
 const PHASE: Vec3 = Vec3::new(11.0, 17.0, 13.0);
-/// The same of fluttering leaves, radians a metre.
+/// The same of fluttering leaves, radians per metre.
 const WAVE: Vec3 = Vec3::new(9.0, 7.0, 11.0);
 /// The mean push and its swings, along the gust; what lifts and lowers.
 const MEAN: f32 = 0.6;
@@ -80,12 +80,13 @@ const SWING: f32 = 0.4;
 const LIFT: f32 = 0.2;
 
 impl Wind {
-    /// After so many seconds the motion repeats.
+    /// Seconds after which the motion repeats.
     pub const PERIOD: f32 = 8.0;
 
-    /// Where a vertex at `position` is, `time` seconds on, when the wind blows by `gust`: a direction whose length is the strength, 1 for
-    /// the strongest wind. Longer gusts are clamped to 1; a gust that is not finite counts as no wind. Without wind the
-    /// position comes back bit by bit. See [`Wind`] for the formula.
+    /// Position of a vertex, whose position at rest is `position`, at `time` seconds in the wind `gust`: a
+    /// direction whose length is the strength, 1 for the strongest wind. Longer gusts are clamped to 1; a
+    /// gust that is not finite counts as no wind. Without wind the position comes back bit by bit. See
+    /// [`Wind`] for the formula.
     pub fn blown(&self, position: Vec3, time: f32, gust: Vec3) -> Vec3 {
         let Some(air) = Air::new(time, gust) else { return position };
         position + self.moved(position, &air)
@@ -144,7 +145,7 @@ impl Air {
         self.gust * (MEAN + SWING * sin) + UP * (self.strength * LIFT * cos)
     }
 
-    /// How a leaf flutters that flutters by 1.
+    /// Displacement of a leaf whose flutter is 1.
     pub(crate) fn flutter(&self, position: Vec3) -> Vec3 {
         let (sin, _) = sin_cos(TAU * (self.part * FLUTTERS) + position.dot(WAVE));
         (UP * self.strength + self.gust) * (0.7 * sin)

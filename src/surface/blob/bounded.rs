@@ -49,12 +49,12 @@ impl Bounded {
         if self.inside.least_parts() > self.outside.least_parts() { self.inside } else { self.outside }
     }
 
-    /// Whether parts of value 0 make no difference, to the bit.
+    /// `true` if parts of value 0 make no difference, to the bit.
     pub(super) fn ignores_nothing(&self) -> bool {
         self.inside.ignores_nothing() && self.outside.ignores_nothing()
     }
 
-    /// Whether it makes creases.
+    /// `true` if it makes creases.
     pub(super) fn has_contact(&self) -> bool {
         self.inside.is_contact() || self.outside.is_contact()
     }

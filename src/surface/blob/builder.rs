@@ -223,14 +223,14 @@ impl BlobTreeBuilder {
     /// As of [`bounded`](Self::bounded), of parameters in range.
     pub(super) fn fork(
         &mut self,
-        [bearer, lateral]: [Node; 2],
+        [parent, lateral]: [Node; 2],
         style: Bounded,
         field: Option<Node>,
     ) -> Result<Node, BlobError> {
-        let mut parts = self.take(style.needy(), [bearer, lateral])?;
+        let mut parts = self.take(style.needy(), [parent, lateral])?;
         let values =
             |part: u32| if let Draft::Fork { .. } = self.entries[part as usize].draft { 2 } else { 1 };
-        let (bearer, lateral, is_bounded) = (values(parts[0]), values(parts[1]), field.is_some());
+        let (parent, lateral, is_bounded) = (values(parts[0]), values(parts[1]), field.is_some());
         let most = [style.inside, style.outside].map(|operator| self.most(operator, &parts));
         let bounds = style.bounds(&self.boxes(&parts));
         if let Some(field) = field {
@@ -238,7 +238,7 @@ impl BlobTreeBuilder {
         }
         let style = remember(&mut self.styles, style);
         let parts = self.list(&parts);
-        let fork = Fork { style, bearer, lateral, is_bounded };
+        let fork = Fork { style, parent, lateral, is_bounded };
         self.push(Draft::Fork { fork, parts }, bounds, most[0].max(most[1]))
     }
 

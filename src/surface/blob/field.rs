@@ -5,7 +5,8 @@ use crate::ParameterError;
 /// The field's value on a surface.
 pub(super) const ISO: f32 = 0.5;
 
-/// Where the polynomial (1 - r²)³, which is often called Wyvill's, ends, in radii, if it is 1/2 at one: 1/√(1 - ∛½).
+/// Radius, in units of that at which it is 1/2, at which the polynomial (1 - r²)³ ends, which is often called
+/// Wyvill's: 1/√(1 - ∛½).
 const WYVILL_REACH: f32 = 2.201_663_5;
 
 /// A primitive's field as a function of x, the distance from its skeleton over the radius there.

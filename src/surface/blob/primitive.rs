@@ -132,7 +132,7 @@ pub(super) struct Leaf {
 pub(super) struct Range {
     pub(super) least: f32,
     pub(super) most: f32,
-    /// At least the greatest change of the value a metre.
+    /// Upper bound of the change of the value per metre.
     pub(super) slope: f32,
 }
 
@@ -189,8 +189,9 @@ impl Leaf {
         at(self.from, self.radius).union(at(self.from + self.way, self.radius(1.0)))
     }
 
-    /// How far along the way the ball is that is felt most: a fraction, of which beyond 0 and 1 it is the one at that end. And the
-    /// square of the distance from the line.
+    /// The ball of the cone that is felt most: its place along the way, as numerator and denominator of a
+    /// fraction (below 0 and above 1 it is the ball at that end), and the square of the distance from the
+    /// line.
     #[inline]
     fn strongest(&self, offset: Vec3) -> ([f32; 2], f32) {
         let beside = offset.dot(self.way) * self.inverse;
@@ -209,8 +210,8 @@ impl Leaf {
             let end = self.radius(1.0);
             ((offset - self.way).length_squared(), end * end)
         } else {
-            // The radius beside the point r and the distance from the line h are r (1 + q) and h √(1 + q) at the ball, where
-            // q is the square of h/r times the change of the radius a metre.
+            // The radius beside the point r and the distance from the line h are r (1 + q) and h √(1 + q) at
+            // the ball, where q is the square of h/r times the change of the radius per metre.
             let (beside, change) = (self.radius * swell, self.radius * self.growth);
             (square, beside * beside + change * change * self.inverse * square)
         };

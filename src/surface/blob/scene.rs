@@ -99,7 +99,7 @@ pub(super) struct Scene {
 struct Frame {
     node: u32,
     warp: u32,
-    /// How many of its parts are done.
+    /// The number of its parts that are done.
     done: usize,
     start: u32,
 }

@@ -2,10 +2,11 @@
 
 use std::sync::LazyLock;
 
-/// How the surface passes in each case. Bit i of a case says that corner i is inside; corner `x + 2y + 4z` is at (x, y, z).
+/// The surface in each case. Bit i of a case says that corner i is inside; corner `x + 2y + 4z` is at (x, y,
+/// z).
 pub(super) static CASES: LazyLock<Vec<Case>> = LazyLock::new(|| (0..=255).map(Case::new).collect());
 
-/// How the surface passes between the corners of a cube.
+/// The triangles of the surface between the corners of a cube.
 #[derive(Debug)]
 pub(super) struct Case {
     /// Triangles, named by the cube's edges.

@@ -26,7 +26,7 @@ pub(crate) enum Finish {
     Plain,
     /// Their vertices get the solid's colours.
     Colored,
-    /// They become longer, their sides off the surface by up to so many voxels.
+    /// They become longer, their sides off the surface by up to this number of voxels.
     Longer(f32),
 }
 
@@ -397,8 +397,8 @@ fn triangles<P: Part>(
     triangles
 }
 
-/// Has threads make parts of `group` blocks each, and joins the parts in the blocks' order, so many at a time, while the next
-/// are made.
+/// Has threads make parts of `group` blocks each, and joins the parts in the blocks' order, `held` at a time,
+/// while the next are made.
 fn in_groups<T: Send>(
     count: usize,
     (group, held): (usize, usize),

@@ -34,12 +34,13 @@ use solid::Solid;
 /// sum of the squares of their f is 1. So the fillet between two branches of one radius at right angles is an arc of
 /// the blend width; nothing grows by more than that; and a branch away from others has exactly its radius.
 ///
-/// What it guarantees: every side of a triangle is one of exactly two, in opposite directions, and around each vertex
-/// there is one fan of triangles; triangles have an area and face outward; vertices are within a voxel of the surface,
-/// mostly within a hundredth, and have the field's normals; the same skeleton gives the same bits at any number of threads.
-/// Branches that do not touch make one body without handles, of Euler characteristic 2; a handle appears where
-/// branches touch again, or come nearer than both's blend widths and a voxel. What it does not: there are no texture
-/// coordinates or tangents, unless [`Unwrap`](super::Unwrap) gives them; small features between two voxels' middles may be missed.
+/// Guaranteed: every side of a triangle is one of exactly two, in opposite directions, and around each vertex
+/// there is one fan of triangles; triangles have an area and face outward; vertices are within a voxel of the
+/// surface, mostly within a hundredth, and have the field's normals; the same skeleton gives the same bits at
+/// any number of threads. Branches that do not touch make one body without handles, of Euler characteristic
+/// 2; a handle appears where branches touch again, or come nearer than both's blend widths and a voxel. Not
+/// guaranteed: there are no texture coordinates or tangents, unless [`Unwrap`](super::Unwrap) gives them;
+/// small features between two voxels' middles may be missed.
 ///
 /// **Voxels** are as fine as the branches near: an octree of blocks of 4 · 4 · 4 voxels follows them, and neither empty space
 /// nor the inside of limbs is ever looked at. Marching cubes run on the dual of that octree. A branch thinner
@@ -113,10 +114,11 @@ impl Implicit {
         self
     }
 
-    /// How far, in voxels there, sides of triangles may be off the surface, so that triangles are longer than a voxel and
-    /// fewer: 0 to 0.25; default 0, which leaves each within a voxel. Triangles within a voxel are off by 0.1 themselves, on
-    /// twigs of a voxel's radius. 0.15 leaves a fifth of a tree's vertices, 0.2 a seventh, at twice the time. What is
-    /// guaranteed stays, and the vertices that are left are where they were.
+    /// Greatest distance of triangles' sides from the surface, in units of the voxels there, 0 to 0.25: with
+    /// more, triangles are longer than a voxel and fewer. Default 0, which leaves each within a voxel.
+    /// Triangles within a voxel are off by 0.1 themselves, on twigs of a voxel's radius. 0.15 leaves a fifth
+    /// of a tree's vertices, 0.2 a seventh, at twice the time. What is guaranteed stays, and the vertices
+    /// that are left are where they were.
     pub fn with_error(mut self, voxels: f32) -> Self {
         self.error = voxels;
         self
@@ -129,8 +131,8 @@ impl Implicit {
         self
     }
 
-    /// Whether vertices have [`Wind`](super::Wind): each moves with the internode that it is next to; default false. The
-    /// mesh stays closed however it blows.
+    /// Gives vertices [`Wind`](super::Wind): each moves with the internode that it is next to; default false.
+    /// The mesh stays closed however it blows.
     pub fn with_wind(mut self, wind: bool) -> Self {
         self.wind = wind;
         self
@@ -207,7 +209,7 @@ impl Implicit {
     }
 }
 
-/// How fine a solid is to be seen.
+/// The voxels with which a solid is sampled.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Voxels {
     /// The side of the finest, metres; others are as long times a power of two.

@@ -75,7 +75,7 @@ impl Polygonizer {
         self
     }
 
-    /// Whether [`Mesh::colors`] are filled, which are absolute: draw and write them with
+    /// Fills [`Mesh::colors`], which are absolute: draw and write them with
     /// [`Material::white`](crate::surface::Material::white), as by
     /// [`GlbOptions::with_material`](crate::export::GlbOptions::with_material). Default true.
     pub fn with_colors(mut self, colors: bool) -> Self {

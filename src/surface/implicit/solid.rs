@@ -1,4 +1,4 @@
-//! What a polygonizer or a ray caster asks of an implicit surface.
+//! The interface of an implicit surface for polygonizers and ray casters.
 
 use super::span::{Passage, Span};
 use crate::Bounds;
@@ -30,7 +30,7 @@ pub(crate) enum Coverage<P> {
     Crossed(P),
 }
 
-/// So many primitives or operators are as much work as a cube of their own.
+/// Number of primitives or operators that are as much work as one more cube.
 pub(crate) const CROWD: usize = 32;
 
 /// Part of a [`Solid`] that counts within a cube: there its values and gradients are the whole's, to the bit.
@@ -38,11 +38,11 @@ pub(crate) trait Part: Send + Sync {
     /// The value at a point of the cube.
     fn value(&self, point: Vec3) -> f32;
 
-    /// The value and its gradient, a metre, at a point of the cube. Of length 0 only where there is none.
+    /// The value and its gradient, per metre, at a point of the cube. Of length 0 only where there is none.
     fn gradient(&self, point: Vec3) -> (f32, Vec3);
 
-    /// The values at 4 · 4 · 4 points of the cube: entry `x + 4y + 16z` is that of the point so many steps of `step`
-    /// metres along x, y and z from `start`.
+    /// The values at 4 · 4 · 4 points of the cube: entry `x + 4y + 16z` is that of the point x, y and z steps
+    /// of `step` metres along the axes from `start`.
     fn sample(&self, start: Vec3, step: f32) -> [f32; 64] {
         std::array::from_fn(|i| {
             let offset = Vec3::new((i & 3) as f32, (i >> 2 & 3) as f32, (i >> 4) as f32);
@@ -67,6 +67,6 @@ pub(crate) trait Part: Send + Sync {
         1
     }
 
-    /// No value within the cube changes by more than this a metre.
+    /// No value within the cube changes by more than this per metre.
     fn lipschitz(&self) -> f32;
 }
