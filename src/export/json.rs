@@ -1,6 +1,6 @@
 //! Skeletons as JSON text.
 //!
-//! An object of six arrays, each with an entry a node:
+//! An object of six arrays, each with an entry per node:
 //!
 //! ```json
 //! {

@@ -9,7 +9,7 @@ use std::io::{self, Write};
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 #[non_exhaustive]
 pub enum PlyFormat {
-    /// `binary_little_endian`: 27 bytes a vertex, 8 more with texture coordinates, 13 a triangle.
+    /// `binary_little_endian`: 27 bytes per vertex, 8 more with texture coordinates, 13 per triangle.
     #[default]
     Binary,
     /// `ascii`, for eyes and scripts. Every number reads back as the same bits.

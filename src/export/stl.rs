@@ -1,6 +1,7 @@
 //! STL, the binary kind (`.stl`): triangles and nothing else, for printing and solvers.
 //!
-//! A header of 80 bytes, the number of triangles, and 50 bytes a triangle: its normal, its corners, two bytes unused.
+//! A header of 80 bytes, the number of triangles, and 50 bytes per triangle: its normal, its corners, two
+//! bytes unused.
 
 use super::{Axes, ExportError, check_parts};
 use crate::surface::Part;

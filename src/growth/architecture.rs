@@ -162,9 +162,9 @@ impl Architecture {
         self
     }
 
-    /// Turn of branches upwards or, if negative, downwards, the more the nearer to their tips: the weight of up at the tip
-    /// beside that of the heading, -4 to 4. The headings of the curves turn them towards the bearing branch instead, which
-    /// for twigs is not the light.
+    /// Turn of branches upwards or, if negative, downwards, the more the nearer to their tips: the weight of
+    /// up at the tip beside that of the heading, -4 to 4. The headings of the curves turn them towards the
+    /// parent branch instead, which for twigs is not the light.
     pub fn with_tropism(mut self, share: f32) -> Self {
         self.tropism = share;
         self
@@ -177,9 +177,9 @@ impl Architecture {
         self
     }
 
-    /// `G_s1`: how long branches are beside the bearing branch, 0 to 10, over their relative position on it, when the
-    /// tree is young. What it says is divided by 1.5 for branches of order 1, by 2 for order 2, and so on
-    /// ([equation 12](super::equation::higher_order_length)).
+    /// `G_s1`: how long branches are beside the parent branch, 0 to 10, over their relative position on it,
+    /// when the tree is young. What it says is divided by 1.5 for branches of order 1, by 2 for order 2, and
+    /// so on ([equation 12](super::equation::higher_order_length)).
     pub fn with_young_silhouette(mut self, curve: Curve) -> Self {
         self.young_silhouette = curve;
         self
@@ -191,8 +191,8 @@ impl Architecture {
         self
     }
 
-    /// `G_o1`: the angle between the places of a very short branch and its first heading, radians, -2.5 to 2.5, positive
-    /// towards the bearing branch, over the relative position on the branch.
+    /// `G_o1`: the angle between the places of a very short branch and its first heading, radians, -2.5 to
+    /// 2.5, positive towards the parent branch, over the relative position on the branch.
     pub fn with_short_heading(mut self, curve: Curve) -> Self {
         self.short_heading = curve;
         self
@@ -205,7 +205,8 @@ impl Architecture {
         self
     }
 
-    /// `G_bs`: the scale of branches, 0 to 1, over the relative position on the bearing branch at the greatest age.
+    /// `G_bs`: the scale of branches, 0 to 1, over the relative position on the parent branch at the greatest
+    /// age.
     pub fn with_branch_scale(mut self, curve: Curve) -> Self {
         self.branch_scale = curve;
         self

@@ -29,8 +29,8 @@ pub fn length_share(length: f32, longest: f32) -> f32 {
     (length / longest).min(1.0)
 }
 
-/// Equation 9, `θ = (1 - s_θ)·G_o1(x_y) + s_θ·G_o2(x_y)`: the angle between a segment and its branch's first heading,
-/// positive towards the bearing branch.
+/// Equation 9, `θ = (1 - s_θ)·G_o1(x_y) + s_θ·G_o2(x_y)`: the angle between a segment and its branch's first
+/// heading, positive towards the parent branch.
 ///
 /// `short` and `long` are the curves at the segment's relative position on its own branch.
 pub fn heading(share: f32, short: f32, long: f32) -> f32 {
@@ -75,8 +75,8 @@ pub fn metamers(metamers: &Curve, shoot: f32, longest_shoot: f32) -> u32 {
     (metamers.at(q) + 0.5).max(1.0) as u32
 }
 
-/// Equation 15, `s_b = G_ss(x_s)·s_bp·G_bs(x_max)`: the scale of a branch that springs at `on_shoot` of a shoot that lies
-/// at `at_end` of the bearing branch in its last year.
+/// Equation 15, `s_b = G_ss(x_s)·s_bp·G_bs(x_max)`: the scale of a branch that springs at `on_shoot` of a
+/// shoot that lies at `at_end` of the parent branch in its last year.
 pub fn lateral_scale(
     shoot_scale: &Curve,
     branch_scale: &Curve,

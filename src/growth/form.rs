@@ -86,7 +86,7 @@ struct Base {
     node: u32,
     position: Vec3,
     heading: Vec3,
-    /// At right angles to the heading, towards the bearing branch.
+    /// At right angles to the heading, towards the parent branch.
     inwards: Vec3,
 }
 

@@ -1,4 +1,4 @@
-//! At which angle branches leave their bearing axes.
+//! The angles at which branches leave their parent axes.
 
 use glam::DVec3;
 
@@ -13,7 +13,7 @@ pub struct BranchAngle {
     pub node: usize,
     /// The branch's order: 1 where it leaves the trunk.
     pub order: u16,
-    /// Angle between the branch and its bearing axis, radians, in [0, π].
+    /// Angle between the branch and its parent axis, radians, in [0, π].
     pub angle: f32,
 }
 
@@ -75,8 +75,8 @@ pub(super) fn angles(skeleton: &Skeleton, reach: f64) -> Vec<BranchAngle> {
     };
     let mut angles = Vec::with_capacity(all.len() - 1);
     for (number, branch) in all.iter().enumerate().skip(1) {
-        let (bearer, place) = home[branch.nodes()[0] as usize];
-        let (axis, place) = (course(bearer as usize), place as usize);
+        let (parent, place) = home[branch.nodes()[0] as usize];
+        let (axis, place) = (course(parent as usize), place as usize);
         let along_axis = axis.arriving(place, reach).or_else(|| axis.leaving(place, reach));
         if let (Some(axis), Some(off)) = (along_axis, course(number).leaving(0, reach)) {
             let angle = math::angle_between(axis.as_vec3(), off.as_vec3());

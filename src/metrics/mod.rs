@@ -105,7 +105,7 @@ pub struct Metrics {
     pub length_ratios: Vec<f64>,
     /// Mean diameter of the streams of each order over that of the order below; see [`stream_diameters`].
     pub diameter_ratios: Vec<f64>,
-    /// Mean angle between branches and bearing axes at the first internode, radians; see [`branch_angles`].
+    /// Mean angle between branches and parent axes at the first internode, radians; see [`branch_angles`].
     pub mean_branch_angle: Option<f64>,
     /// The same over an arc length of five internodes of mean length, which is beyond their crookedness: radians.
     pub mean_branch_angle_smoothed: Option<f64>,

@@ -33,8 +33,8 @@ use crate::{ParameterError, Skeleton};
 /// Gives every internode of a skeleton its radius.
 ///
 /// # Contract
-/// [`radii`](Self::radii) returns one number a node, each finite and at least zero, and never growing towards
-/// the tips: a child's radius is at most its parent's. The same skeleton always gets the same radii.
+/// [`radii`](Self::radii) returns one number per node, each finite and at least zero, and never growing
+/// towards the tips: a child's radius is at most its parent's. The same skeleton always gets the same radii.
 ///
 /// [`check_radii`] tests this. What breaks if an implementation lies: a wrong length, NaN or a negative number
 /// is refused by [`Skeleton::with_radii`], and whatever called the model fails; a radius that grows towards the

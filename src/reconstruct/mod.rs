@@ -31,8 +31,9 @@ use crate::{ParameterError, Silent, Skeleton, SkeletonError};
 ///    limbs and give radii. Where points are few, radii follow from the length of wood borne, by a relation
 ///    fitted to this tree's measured limbs. No radius grows towards the tips.
 ///
-/// Clouds with leaves make trees of nonsense where leaves hide the wood: set leaves aside before. The same cloud gives the same bits
-/// at any number of threads. O(n log n) for n points; about 100 bytes a point and 500 bytes a node.
+/// Clouds with leaves make trees of nonsense where leaves hide the wood: set leaves aside before. The same
+/// cloud gives the same bits at any number of threads. O(n log n) for n points; about 100 bytes per point and
+/// 500 bytes per node.
 ///
 /// ```
 /// use treesynth::{Skeleton, glam::Vec3, reconstruct::Reconstruct, scan::Scanner, surface::{Part, Tubes}};

@@ -32,8 +32,8 @@ const MOST_TRIANGLES: u64 = 1 << 28;
 /// pixel (Hebert and Krotkov 1992, "3D measurements from imaging laser radars: how good are they?"). What lies behind is hidden, but
 /// for later [echoes](Self::with_echoes). The range has Gaussian noise.
 ///
-/// Same scene, options and seed: same bits, at any number of threads. O(t log t + b log t) for t triangles and b beams; some 130 bytes a
-/// triangle, copies multiplied out.
+/// Same scene, options and seed: same bits, at any number of threads. O(t log t + b log t) for t triangles
+/// and b beams; some 130 bytes per triangle, copies multiplied out.
 ///
 /// ```
 /// use treesynth::{Skeleton, glam::Vec3, scan::Scanner, surface::{Part, Tubes}};

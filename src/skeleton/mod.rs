@@ -15,7 +15,7 @@ use glam::Vec3;
 ///
 /// A value of this type always satisfies [`check`](Self::check): the constructors refuse what does not.
 ///
-/// Memory: 28 bytes a node.
+/// Memory: 28 bytes per node.
 ///
 /// ```
 /// use treesynth::{Skeleton, glam::Vec3};
@@ -215,7 +215,7 @@ impl Skeleton {
     /// Sets the hops of each node.
     ///
     /// # Errors
-    /// When there is not one number a node.
+    /// Unless there is one number per node.
     pub fn with_hops(mut self, hops: Vec<u32>) -> Result<Self, SkeletonError> {
         same_length("hops", hops.len(), self.len())?;
         self.hops = hops;
@@ -265,7 +265,8 @@ impl Skeleton {
         &self.stages
     }
 
-    /// Branch order of each node (Gravelius): 0 on the trunk, one more on each branch than on its bearing axis.
+    /// Branch order of each node (Gravelius): 0 on the trunk, one more on each branch than on its parent
+    /// axis.
     ///
     /// Unless they were [set](Self::with_orders), the axis goes on at a fork in the child of the earliest stage, then in
     /// the one with the most tips, then in the one of the lowest index.
@@ -292,7 +293,7 @@ impl Skeleton {
         bears.into_iter().enumerate().filter(|(_, bears)| !bears).map(|(node, _)| node)
     }
 
-    /// The branches, each bearing axis before what it bears. O(n).
+    /// The branches, each parent axis before its laterals. O(n).
     ///
     /// ```
     /// # use treesynth::{Skeleton, glam::Vec3};

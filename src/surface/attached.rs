@@ -189,11 +189,11 @@ fn gaps_of(tubes: &[Tube], mesh: &Mesh, each: usize) -> Vec<Gap> {
     for tube in tubes.iter().filter(|tube| tube.parent.is_some()).step_by(each) {
         let mut gap = Gap { width: 0.0, radius: tube.radius, place: tube.place };
         for point in &mesh.positions[tube.ring.clone()] {
-            let (mut least, mut bearer) = (f64::MAX, tube.parent);
-            while let Some(number) = bearer.filter(|_| least > NOTHING) {
+            let (mut least, mut parent) = (f64::MAX, tube.parent);
+            while let Some(number) = parent.filter(|_| least > NOTHING) {
                 let body = bodies[number].get_or_insert_with(|| Body::of(mesh, &tubes[number]));
                 least = least.min(body.outside(point.as_dvec3()));
-                bearer = tubes[number].parent;
+                parent = tubes[number].parent;
             }
             gap.width = gap.width.max(least);
         }

@@ -89,7 +89,7 @@ pub(super) struct Axis {
     pub(super) bearing: Option<(usize, usize)>,
 }
 
-/// The axes of a skeleton, each bearing one before what it bears.
+/// The axes of a skeleton, each parent axis before its laterals.
 #[derive(Debug, Default)]
 pub(super) struct Axes {
     pub(super) stations: Vec<Station>,
@@ -255,9 +255,9 @@ impl Sampler<'_> {
                     .normalize_or(before.direction)
             }
         };
-        let foot = if stands { knots[0].radius } else { 0.0 };
+        let base = if stands { knots[0].radius } else { 0.0 };
         let flared = |radius: f32, height: f32| {
-            let rest = 1.0 - height / (foot * FLARE_REACH);
+            let rest = 1.0 - height / (base * FLARE_REACH);
             if rest > 0.0 { radius * (1.0 + self.options.root_flare * rest * rest * rest) } else { radius }
         };
         let mut tangent = tangent_at(0);
@@ -279,8 +279,8 @@ impl Sampler<'_> {
             let (before, after) = (tangent * to.length, tangent_at(i) * to.length);
             let turn = tangent.distance(to.direction) + to.direction.distance(after / to.length);
             let mut parts = self.options.parts(turn, to.length);
-            if station.along - along < foot * FLARE_REACH && self.options.root_flare > 0.0 {
-                parts = parts.max((to.length / (foot * FLARE_PART)).ceil());
+            if station.along - along < base * FLARE_REACH && self.options.root_flare > 0.0 {
+                parts = parts.max((to.length / (base * FLARE_PART)).ceil());
             }
             let parts = parts.min(MOST_PARTS) as u32;
             for part in 1..=parts {
@@ -292,7 +292,7 @@ impl Sampler<'_> {
                 };
                 let length = station.along + station.position.distance(position);
                 // Near the ground rings are level: those of a thick trunk that leans at once would cross.
-                let upright = (1.0 - (length - along) / (foot * FLARE_REACH)).max(0.0);
+                let upright = (1.0 - (length - along) / (base * FLARE_REACH)).max(0.0);
                 let direction = (direction.normalize_or(station.tangent) * (1.0 - upright) + UP * upright)
                     .normalize_or(station.tangent);
                 station = Station {

@@ -60,7 +60,7 @@ impl Capsules {
         self
     }
 
-    /// The capsules of all branches, each bearing branch before what it bears. O(nodes).
+    /// The capsules of all branches, each parent branch before its laterals. O(nodes).
     ///
     /// # Errors
     /// An option out of range.

@@ -85,8 +85,8 @@ impl Levels {
 
     /// The levels, finest first; none for a tree without a surface.
     ///
-    /// O(nodes) for each try, of which there are two or three a level of a tree of many branches, and the time of each
-    /// mesh. With the feature `parallel` a mesh is made while the next error is looked for.
+    /// O(nodes) for each try, of which there are two or three per level of a tree of many branches, and the
+    /// time of each mesh. With the feature `parallel` a mesh is made while the next error is looked for.
     ///
     /// # Errors
     /// A count out of range; whatever [`Tubes::mesh`] refuses.

@@ -10,8 +10,8 @@ use glam::{Vec2, Vec3, Vec4};
 /// The fields are public, so that any engine's buffers can be filled from them and any mesh can be put in.
 /// Results of this crate satisfy [`check`](Self::check); input of a user is checked where it is used.
 ///
-/// Memory: 24 bytes a vertex, 16 more with tangents, 8 with texture coordinates, 12 with colours, 68 with wind; 12 bytes a
-/// triangle.
+/// Memory: 24 bytes per vertex, 16 more with tangents, 8 with texture coordinates, 12 with colours, 68 with
+/// wind; 12 bytes per triangle.
 ///
 /// ```
 /// use treesynth::{glam::Vec3, surface::Mesh};
@@ -40,7 +40,7 @@ pub struct Mesh {
     pub colors: Vec<[f32; 3]>,
     /// Motion of each vertex in the wind, or none.
     pub wind: Vec<Wind>,
-    /// Three vertices a triangle, counter-clockwise seen from outside.
+    /// Three vertices per triangle, counter-clockwise seen from outside.
     pub indices: Vec<u32>,
 }
 

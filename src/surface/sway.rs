@@ -165,7 +165,7 @@ impl Sway {
         let _ = self.clothe_watched(mesh, &silent);
     }
 
-    /// The same, a step a vertex.
+    /// As [`clothe`](Self::clothe), with one step per vertex.
     pub(crate) fn clothe_watched(&self, mesh: &mut Mesh, watch: &Watch<'_>) -> Result<(), Cancelled> {
         let ends: Vec<Vec3> = self.bends.iter().map(|bend| bend.at).collect();
         let internodes = Internodes::new(&ends, &self.parents, &self.radii);

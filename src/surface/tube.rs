@@ -48,7 +48,7 @@ const MOST_WIDENING: f32 = 1.3;
 /// **Far from the origin** a tree has the tubes that it has at the origin, with vertices rounded to what 32-bit floats have there:
 /// 1 mm at 10 km. Where that turns over or flattens more than 2% of the surface there is an error.
 ///
-/// O(nodes · sides) time and memory: 48 bytes a vertex, 24 bytes a quad.
+/// O(nodes · sides) time and memory: 48 bytes per vertex, 24 bytes per quad.
 ///
 /// ```
 /// use treesynth::{Skeleton, glam::Vec3, surface::Tubes};

@@ -39,8 +39,8 @@ use std::f32::consts::TAU;
 /// Everything repeats after [`PERIOD`](Self::PERIOD) seconds. A level moves a vertex by at most 1.2·|g| times
 /// its moment's length, and what has no moment does not move: roots never do.
 ///
-/// Memory: 68 bytes a vertex. [`Tubes`](super::Tubes::with_wind), [`Levels`](super::Levels), [`Implicit`](super::Implicit::with_wind)
-/// give it to their meshes, [`Sway`](super::Sway) to any other.
+/// Memory: 68 bytes per vertex. [`Tubes`](super::Tubes::with_wind), [`Levels`](super::Levels),
+/// [`Implicit`](super::Implicit::with_wind) give it to their meshes, [`Sway`](super::Sway) to any other.
 ///
 /// ```
 /// use treesynth::{Skeleton, glam::Vec3, surface::Tubes};

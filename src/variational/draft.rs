@@ -144,7 +144,7 @@ impl Draft {
             let lean = if metamer == 0 { lean } else { 0.0 };
             let wish = Wish::new(length).with_angle(f64::from(lean));
             node = self.push(from + along * (start + step * (metamer + 1) as f64), node, stage, wish);
-            let bearer = node;
+            let parent = node;
             let mut here = Vec::with_capacity(laterals);
             for lateral in 0..laterals {
                 let around = std::f32::consts::TAU * lateral as f32 / laterals as f32;
@@ -152,7 +152,7 @@ impl Draft {
                 let side = x * f64::from(cos) + y * f64::from(sin);
                 let leans = along * f64::from(cos_angle) + side * f64::from(sin_angle);
                 let direction = if laterals == 1 && metamer + 1 == metamers { along } else { leans };
-                let reach = LATERAL * reach(cluster, self.positions[bearer], direction).unwrap_or(step);
+                let reach = LATERAL * reach(cluster, self.positions[parent], direction).unwrap_or(step);
                 // A lone lateral at the axis's end is what the axis goes on as.
                 let goes_on = laterals == 1 && metamer + 1 == metamers;
                 let angle = if goes_on { 0.0 } else { level.angle() };
@@ -160,8 +160,8 @@ impl Draft {
                 if let Some(&mate) = mates.get(lateral).filter(|_| !goes_on) {
                     wish = wish.with_turn(mate as u32, f64::from(level.turn()));
                 }
-                let place = self.positions[bearer] + direction * reach;
-                here.push(self.push(place, bearer, stage + 1, wish));
+                let place = self.positions[parent] + direction * reach;
+                here.push(self.push(place, parent, stage + 1, wish));
             }
             mates = here;
         }

@@ -119,12 +119,12 @@ pub fn penalty(skeleton: &Skeleton, wishes: &[Wish], beta: f32) -> Result<Energy
         let holds = wish.angle.is_none_or(|angle| (0.0..=std::f64::consts::PI).contains(&angle));
         ParameterError::unless(holds, "Wish.angle", wish.angle, "in [0, π] radians")?;
         let holds = wish.turn.is_none_or(|(mate, turn)| {
-            let bearer = parents[node] as usize;
+            let parent = parents[node] as usize;
             turn.abs() <= std::f64::consts::TAU
                 && (1..skeleton.len()).contains(&(mate as usize))
-                && bearer > 0
-                && mate as usize != bearer
-                && parents[mate as usize] == parents[bearer]
+                && parent > 0
+                && mate as usize != parent
+                && parents[mate as usize] == parents[parent]
         });
         ParameterError::unless(
             holds,
@@ -185,43 +185,43 @@ pub(super) fn deviations(
     let mut sum = 0.0;
     for (node, wish) in wishes.iter().enumerate().skip(1).filter(|&(node, _)| thick[node] > 0.0) {
         let weight = wish.length * thick[node];
-        let bearer = parents[node] as usize;
-        let before = parents[bearer] as usize;
-        let way = at(node) - at(bearer);
+        let parent = parents[node] as usize;
+        let before = parents[parent] as usize;
+        let way = at(node) - at(parent);
         let (value, slope) = size(way.length() / wish.length - 1.0);
         let by = way.normalize_or_zero() * (slope * thick[node]);
         sum += weight * value;
         add(node, by);
-        add(bearer, -by);
-        if bearer == 0 {
+        add(parent, -by);
+        if parent == 0 {
             continue;
         }
         if let Some(wanted) = wish.angle {
-            let measured = angle(at(before), at(bearer), at(node));
+            let measured = angle(at(before), at(parent), at(node));
             let (value, slope) = size(measured.value - wanted);
             sum += weight * value;
-            for (node, by) in [before, bearer, node].into_iter().zip(measured.gradient) {
+            for (node, by) in [before, parent, node].into_iter().zip(measured.gradient) {
                 add(node, by * (slope * weight));
             }
         }
         if let Some((mate, wanted)) = wish.turn.filter(|&(mate, _)| thick[mate as usize] > 0.0) {
             let mate = mate as usize;
-            let measured = turn(at(mate), at(before), at(bearer), at(node));
+            let measured = turn(at(mate), at(before), at(parent), at(node));
             let (value, slope) = size(wrapped(measured.value - wanted));
             let mut weight = weight;
             if soft.turn > 0.0 {
-                let near = fade(&angle(at(before), at(bearer), at(node)), soft.turn);
-                let far = fade(&angle(at(mate), at(before), at(bearer)), soft.turn);
-                for (node, by) in [before, bearer, node].into_iter().zip(near.gradient) {
+                let near = fade(&angle(at(before), at(parent), at(node)), soft.turn);
+                let far = fade(&angle(at(mate), at(before), at(parent)), soft.turn);
+                for (node, by) in [before, parent, node].into_iter().zip(near.gradient) {
                     add(node, by * (weight * value * far.value));
                 }
-                for (node, by) in [mate, before, bearer].into_iter().zip(far.gradient) {
+                for (node, by) in [mate, before, parent].into_iter().zip(far.gradient) {
                     add(node, by * (weight * value * near.value));
                 }
                 weight *= near.value * far.value;
             }
             sum += weight * value;
-            for (node, by) in [mate, before, bearer, node].into_iter().zip(measured.gradient) {
+            for (node, by) in [mate, before, parent, node].into_iter().zip(measured.gradient) {
                 add(node, by * (slope * weight));
             }
         }

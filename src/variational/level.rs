@@ -75,7 +75,7 @@ impl Level {
         self
     }
 
-    /// Sets θ, the angle between a branch and its bearing axis, radians in [0, π]; π/4 by default.
+    /// Sets θ, the angle between a branch and its parent axis, radians in [0, π]; π/4 by default.
     pub fn with_angle(mut self, angle: f32) -> Self {
         self.angle = angle;
         self

@@ -14,15 +14,18 @@ use glam::Vec3;
 )]
 #[non_exhaustive]
 pub enum Instancing {
-    /// One mesh of all copies, multiplied out on their way into the file: core glTF, whole in every reader. A copy takes all
-    /// bytes of its vertices; indices are shared by many copies. Tints are vertex colours (`COLOR_0`, 8 bits a channel).
+    /// One mesh of all copies, multiplied out on their way into the file: core glTF, whole in every reader. A
+    /// copy takes all bytes of its vertices; indices are shared by many copies. Tints are vertex colours
+    /// (`COLOR_0`, 8 bits per channel).
     #[default]
     Merged,
-    /// `EXT_mesh_gpu_instancing`: 40 bytes an instance, drawn at once; tints are `_COLOR_0`, 12 bytes more. Blender and
-    /// three.js read it (`scripts/check_exports`), and others; a program that does not shows one leaf at the trunk base.
+    /// `EXT_mesh_gpu_instancing`: 40 bytes per instance, drawn at once; tints are `_COLOR_0`, 12 bytes more.
+    /// Blender and three.js read it (`scripts/check_exports`), and others; a program that does not shows one
+    /// leaf at the trunk base.
     Extension,
-    /// A node an instance, which every program reads: about 200 bytes each, and as many objects in the program. Each tint is a
-    /// material of its own, rounded to 32 steps a channel, so that there are not too many.
+    /// A node an instance, which every program reads: about 200 bytes each, and as many objects in the
+    /// program. Each tint is a material of its own, rounded to 32 steps per channel, so that there are not
+    /// too many.
     Nodes,
 }
 

@@ -11,9 +11,11 @@ const KEYS: usize = 81;
 
 /// A breeze as an animation: a skeleton of few bones that sways for 8 seconds and begins again without a seam.
 ///
-/// Meshes with [`Wind`] move: tubes, closed meshes, and leaves through [`Leaves::mesh_in_wind`](crate::foliage::Leaves::mesh_in_wind).
-/// Instances, and parts with a [transform](Part::with_transform), stand still, since glTF cannot bend them. Small branches go with the bone of their parent branch, and every branch base
-/// has the weights of the place on its parent branch, so that both move together. 24 bytes a vertex and 1.3 KB a bone.
+/// Meshes with [`Wind`] move: tubes, closed meshes, and leaves through
+/// [`Leaves::mesh_in_wind`](crate::foliage::Leaves::mesh_in_wind). Instances, and parts with a
+/// [transform](Part::with_transform), stand still, since glTF cannot bend them. Small branches go with the
+/// bone of their parent branch, and every branch base has the weights of the place on its parent branch, so
+/// that both move together. 24 bytes per vertex and 1.3 KB per bone.
 ///
 /// ```
 /// use treesynth::export::{self, Breeze, GlbOptions};

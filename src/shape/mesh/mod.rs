@@ -35,9 +35,9 @@ use crate::ParameterError;
 /// says what there was. A wall between two solids that share a face is no flaw. Refused is a surface that leaves in doubt
 /// what is inside of it.
 ///
-/// Memory: about 120 bytes a triangle, up to 350 if they are long and thin. [`contains`](Shape::contains) takes O(1) in a
-/// closed surface of triangles that are about as large everywhere, however thin they are, and O(log n) in one with holes, if
-/// its triangles are not thin.
+/// Memory: about 120 bytes per triangle, up to 350 if they are long and thin. [`contains`](Shape::contains)
+/// takes O(1) in a closed surface of triangles that are about as large everywhere, however thin they are, and
+/// O(log n) in one with holes, if its triangles are not thin.
 ///
 /// ```
 /// use treesynth::{Shape, glam::Vec3, shape::TriangleMesh};

@@ -266,7 +266,7 @@ impl BlobTreeBuilder {
         self.finish_watched(root, &Watch::silent())
     }
 
-    /// The same, a step a part.
+    /// As [`finish`](Self::finish), with one step per part.
     pub(super) fn finish_watched(mut self, root: Node, watch: &Watch<'_>) -> Result<BlobTree, BlobError> {
         let root = self.take(Operator::Union, [root])?[0];
         let Entry { bounds, most, .. } = self.entries[root as usize];

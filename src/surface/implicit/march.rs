@@ -279,7 +279,8 @@ pub(super) fn march<P: Part>(
     watch.pass(0)?;
     // What triangles do not need goes before they come.
     bricks.parts = Vec::new();
-    // Closed surfaces have two triangles a vertex, less four a body and plus four a handle, of which there are few.
+    // Closed surfaces have two triangles per vertex, less four per body and plus four per handle, of which
+    // there are few.
     mesh.indices.reserve_exact(6 * vertices + vertices / 32);
     let triangles = |blocks| triangles(&bricks, &crossed, blocks, watch);
     in_groups(count, (GROUP, HELD), triangles, |part| mesh.indices.extend(part.into_flattened()));

@@ -49,9 +49,9 @@ use solid::Solid;
 /// **Far from the origin** a tree has the surface that it has at the origin, with vertices rounded to what 32-bit floats have there:
 /// 1 mm at 10 km. Where that turns over or flattens more than 2% of the surface there is an error.
 ///
-/// Time and memory grow with the voxels at the surface: 48 bytes a vertex for the mesh and about 10 on the way to it, times
-/// the primitives felt at one place. Where that is too much, [longer triangles](Self::with_error) take a fifth of it, and
-/// twice the time.
+/// Time and memory grow with the voxels at the surface: 48 bytes per vertex for the mesh and about 10 on the
+/// way to it, times the primitives felt at one place. Where that is too much, [longer
+/// triangles](Self::with_error) take a fifth of it, and twice the time.
 ///
 /// ```
 /// use treesynth::{Skeleton, glam::Vec3, surface::Implicit};
@@ -101,8 +101,8 @@ impl Implicit {
         self
     }
 
-    /// The least number of voxels a radius, 0.867 to 64; default 1. Voxels are the finest one's side times the greatest
-    /// power of two that allows it. From √3/2 on, branches hold together however they lie.
+    /// The least number of voxels per radius, 0.867 to 64; default 1. Voxels are the finest one's side times
+    /// the greatest power of two that allows it. From √3/2 on, branches hold together however they lie.
     pub fn with_detail(mut self, voxels: f32) -> Self {
         self.detail = voxels;
         self

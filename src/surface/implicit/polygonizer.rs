@@ -45,7 +45,8 @@ crate::recipe::readable!(Polygonizer {
 });
 
 impl Default for Polygonizer {
-    /// Eight voxels a radius, the finest 1/1024 of the longest side of the solid's box; colours; at most two million blocks.
+    /// Eight voxels per radius, the finest 1/1024 of the longest side of the solid's box; colours; at most
+    /// two million blocks.
     fn default() -> Self {
         Self { voxel: None, detail: None, most_blocks: 2_000_000, colors: true }
     }
@@ -59,10 +60,10 @@ impl Polygonizer {
         self
     }
 
-    /// The least number of voxels a radius of the primitives felt at a place, 0.867 to 64: voxels are the finest one's side times
-    /// the greatest power of two that allows it. Triangles are few where it is thick, and a ball loses 0.7% of its volume with 8
-    /// voxels a radius, 3% with 4, a quarter with 1. Default: 8, or voxels all of one side if a [voxel](Self::with_voxel) is
-    /// asked for.
+    /// The least number of voxels per radius of the primitives felt at a place, 0.867 to 64: voxels are the
+    /// finest one's side times the greatest power of two that allows it. Triangles are few where it is thick,
+    /// and a ball loses 0.7% of its volume with 8 voxels per radius, 3% with 4, a quarter with 1. Default: 8,
+    /// or voxels all of one side if a [voxel](Self::with_voxel) is asked for.
     pub fn with_detail(mut self, voxels: f32) -> Self {
         self.detail = Some(voxels);
         self

@@ -179,7 +179,7 @@ impl TriangleMesh {
 
     /// All solids of an STL file, binary or text, as one, as [`Import`] reads it by default.
     ///
-    /// A file is binary if its length says so: 84 bytes and 50 a triangle. Normals do not count.
+    /// A file is binary if its length says so: 84 bytes and 50 per triangle. Normals do not count.
     ///
     /// # Errors
     /// As [`Import::read`].
