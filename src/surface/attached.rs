@@ -211,7 +211,7 @@ mod tests {
     use proptest::test_runner::{Config, RngAlgorithm, TestRng, TestRunner};
 
     /// Fails where a tube of these skeletons floats; says how many do and which is worst.
-    fn hold(name: &str, skeletons: &[Skeleton], options: &Tubes) {
+    fn check(name: &str, skeletons: &[Skeleton], options: &Tubes) {
         for skeleton in skeletons.iter().filter(|skeleton| skeleton.segments() > 0) {
             let gaps = gaps(skeleton, options);
             let floating = gaps.iter().filter(|gap| gap.floats());
@@ -223,23 +223,23 @@ mod tests {
 
     /// Checks the trees of all presets of the guided and the variational system, with `nodes` nodes and
     /// `shape_nodes` shape nodes each.
-    fn hold_presets(seeds: u64, nodes: usize, shape_nodes: usize, options: &Tubes) {
+    fn check_presets(seeds: u64, nodes: usize, shape_nodes: usize, options: &Tubes) {
         for seed in 0..seeds {
             for preset in presets::guided() {
                 let tree = preset.synth(nodes).synthesize(preset.seed + seed).expect("a tree");
                 let relaxed = tree.clone().relaxed(0.5, 3).expect("sound options");
-                hold(preset.name, &[tree, relaxed], options);
+                check(preset.name, &[tree, relaxed], options);
             }
             for preset in variational::presets() {
                 let synth = preset.synth(shape_nodes).expect("enough shape nodes");
-                hold(preset.name, &[synth.synthesize(preset.seed + seed).expect("a tree")], options);
+                check(preset.name, &[synth.synthesize(preset.seed + seed).expect("a tree")], options);
             }
         }
     }
 
     #[test]
     fn tubes_touch_what_bears_them() {
-        hold_presets(2, 5_000, 300, &Tubes::default());
+        check_presets(2, 5_000, 300, &Tubes::default());
     }
 
     #[test]
@@ -247,7 +247,7 @@ mod tests {
         for stand in presets::stands() {
             let mut forest = stand.plant(stand.seed).expect("a preset");
             forest.grow(stand.seasons.min(12)).expect("seasons");
-            hold(stand.name, &forest.skeletons().expect("skeletons"), &Tubes::default().with_sides(6));
+            check(stand.name, &forest.skeletons().expect("skeletons"), &Tubes::default().with_sides(6));
         }
     }
 
@@ -257,7 +257,7 @@ mod tests {
             let growth = preset.grow(preset.seed).expect("a preset");
             let ages = preset.ages.iter().map(|age| age.min(14.6));
             let trees: Vec<Skeleton> = ages.map(|age| growth.at(age).expect("an age").skeleton).collect();
-            hold(preset.name, &trees, &Tubes::default());
+            check(preset.name, &trees, &Tubes::default());
         }
     }
 
@@ -265,7 +265,7 @@ mod tests {
     fn tubes_with_an_error_touch_what_bears_them() {
         for (preset, error) in presets::guided().zip([0.001, 0.01, 0.1].into_iter().cycle()) {
             let tree = preset.synth(5_000).synthesize(preset.seed).expect("a tree");
-            hold(preset.name, &[tree], &Tubes::default().with_error(error).with_wind(true));
+            check(preset.name, &[tree], &Tubes::default().with_error(error).with_wind(true));
         }
     }
 
@@ -352,7 +352,7 @@ mod tests {
 
     #[test]
     fn tubes_of_full_size_touch_what_bears_them() {
-        let hold = |name: &str, skeleton: &Skeleton| {
+        let check = |name: &str, skeleton: &Skeleton| {
             let options = Tubes::default();
             let plan = options.plan(skeleton).expect("a skeleton with a surface");
             let (tubes, mesh) = tubes(&plan, &options);
@@ -363,24 +363,24 @@ mod tests {
         };
         for preset in presets::guided().step_by(6) {
             let tree = preset.synth(presets::TYPICAL_NODES).synthesize(preset.seed).expect("a tree");
-            hold(preset.name, &tree);
+            check(preset.name, &tree);
         }
         for preset in variational::presets().step_by(6) {
             let synth = preset.synth(3_500).expect("enough shape nodes");
-            hold(preset.name, &synth.synthesize(preset.seed).expect("a tree"));
+            check(preset.name, &synth.synthesize(preset.seed).expect("a tree"));
         }
         for stand in presets::stands().step_by(5) {
             let forest = stand.grow(stand.seed).expect("a preset");
             for skeleton in forest.skeletons().expect("skeletons").iter().take(1) {
                 if skeleton.segments() > 0 {
-                    hold(stand.name, skeleton);
+                    check(stand.name, skeleton);
                 }
             }
         }
         for preset in presets::grown().step_by(4) {
             let growth = preset.grow(preset.seed).expect("a preset");
             let oldest = preset.ages.iter().copied().fold(0.0, f32::max);
-            hold(preset.name, &growth.at(oldest).expect("an age").skeleton);
+            check(preset.name, &growth.at(oldest).expect("an age").skeleton);
         }
     }
 
