@@ -192,7 +192,7 @@ impl<'a> Watch<'a> {
             return;
         }
         self.next.store(done + self.every, Ordering::Relaxed);
-        // Where there are more steps than were thought it only comes nearer to the end.
+        // If there are more steps than estimated, the fraction only comes nearer to the end.
         let (done, of) = (done as f32, self.of.max(1) as f32);
         let share = if done < 0.9 * of { done / of } else { 1.0 - 0.1 * (0.9 * of) / done };
         let fraction = (self.part.start + (self.part.end - self.part.start) * share).min(0.999_9);

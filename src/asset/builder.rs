@@ -147,8 +147,8 @@ impl AssetBuilder {
         self
     }
 
-    /// The part of the triangles that bark may take if there are leaves, 0.05 to 0.95; default 0.35. What it does not take
-    /// goes to the leaves, and what they do not take goes to the bark.
+    /// The part of the triangles that bark may take if there are leaves, 0.05 to 0.95; default 0.35. The
+    /// triangles that bark does not take go to the leaves, and those that leaves do not take go to the bark.
     pub fn with_bark_share(mut self, share: f32) -> Self {
         self.bark_share = share;
         self

@@ -6,8 +6,9 @@ use crate::texture::Textures;
 use std::sync::Arc;
 
 impl Asset {
-    /// The asset with what a mask covers of its bark in a material of its own: white, wearing `textures`, up to
-    /// `thickness` metres thick. What lies on the bark already is covered too, so that snow comes last.
+    /// The asset with the part of its bark that a mask covers in a material of its own: white, wearing
+    /// `textures`, up to `thickness` metres thick. Coats that lie on the bark already are covered too, so
+    /// that snow comes last.
     ///
     /// Bark is [cut](Mask::cut) along the mask's border, so that every engine shows it; each level of detail has its border in the same
     /// places as far as its triangles allow. That costs triangles: snow, moss and lichen together multiplied the bark of a bare oak by five. Leave room for them in the

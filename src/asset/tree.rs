@@ -192,7 +192,7 @@ impl<'a> Tree<'a> {
             return Ok((Mesh::default(), 0.0, vec![false; branches]));
         }
         let has_leaves = self.leaf_triangles > 0;
-        // What leaves do not need is the bark's.
+        // Triangles that leaves do not need go to the bark.
         let spare = most.saturating_sub(self.leaf_triangles);
         let share = if has_leaves { (most as f32 * self.builder.bark_share) as usize } else { most };
         let card = if has_leaves { card::TRIANGLES } else { 0 };

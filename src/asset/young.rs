@@ -1,8 +1,9 @@
 //! Bark of thin wood, which wears images of its own.
 //!
-//! Old bark and young meet at forks alone: a lateral is young from its base on if its first internode is thinner than the
-//! stated radius; a branch that becomes thinner on its way changes at the next fork. What a young branch bears is young. So
-//! no fork leads back, and levels of detail agree about every internode.
+//! Old bark and young meet at forks alone: a lateral is young from its base on if its first internode is
+//! thinner than the stated radius; a branch that becomes thinner on its way changes at the next fork. All
+//! laterals of a young branch are young. No fork therefore leads back to old bark, and levels of detail agree
+//! about every internode.
 
 use super::Piece;
 use super::light::in_bytes;
@@ -75,7 +76,8 @@ impl Young {
         for (uv, &owner) in mesh.uvs.iter_mut().zip(&owner_of) {
             let tiles = around[owner].round().max(1.0);
             let factor = (TAU * thin.firsts[owner] / self.tile).round().max(1.0) / tiles;
-            // Where the number changes along a branch, it stays whole only if it is multiplied.
+            // If the number changes along a branch, it stays whole only if it is multiplied by a whole
+            // number.
             *uv *= if has_sections { factor.round().max(1.0) } else { factor };
         }
         old.mesh = rest;
@@ -223,7 +225,7 @@ mod tests {
     fn tiles_around_young_wood_are_whole() {
         assets(|name, _, _, split| {
             let mesh = split.young_bark().expect("young bark");
-            // Where a ring closes, two vertices are in one place, and u differs by a whole number.
+            // Two vertices are in one place where a ring closes, and their u differs by a whole number.
             let mut all: Vec<([u32; 3], Vec2)> = mesh
                 .positions
                 .iter()

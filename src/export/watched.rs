@@ -9,8 +9,8 @@ const CHUNK: u64 = 1 << 17;
 /// A writer that tells an observer how much has been written, and stops when told to: around the writer of any exporter.
 ///
 /// After the observer's `Break` every write fails, and the exporter ends with
-/// [`ExportError::Cancelled`](super::ExportError): the file is cut off, and up to the caller to remove. What
-/// is checked before the first byte is not watched; it takes some nanoseconds per vertex.
+/// [`ExportError::Cancelled`](super::ExportError): the file is cut off, and up to the caller to remove. The
+/// checks before the first byte are not watched; they take some nanoseconds per vertex.
 ///
 /// ```
 /// use std::ops::ControlFlow;

@@ -221,7 +221,7 @@ impl<'a> Twig<'a> {
         let towards = adaxial.lerp(light.normalize_or(UP), turn)
             + along.cross(outward) * self.disorder(seed, Draw::Turn, number)
             + outward * self.disorder(seed, Draw::Lean, number);
-        // What is left of a vector along the midrib is rounding.
+        // The part of a vector along the midrib is rounding.
         let upper = |v: Vec3| {
             let across = v - midrib * v.dot(midrib);
             (across.length_squared() > 1e-6 * v.length_squared()).then(|| across.normalize())

@@ -61,7 +61,7 @@ impl Sketch {
             let lifted = blade.up * (width * blade.fold * length);
             let here = if width > 0.0 {
                 let right = self.vertex(rib + across * (width * flat) + lifted);
-                // What is flat needs no midrib.
+                // A flat blade needs no midrib.
                 let middle = if blade.fold > 0.0 { self.vertex(rib) } else { right };
                 [right, middle, self.vertex(rib - across * (width * flat) + lifted)]
             } else {
@@ -183,7 +183,7 @@ pub(super) fn add_petiole(mesh: &mut Mesh, length: f32, half_width: f32) {
     let stalk = sketch.finish();
     let first = mesh.positions.len() as u32;
     if mesh.uvs.len() == mesh.positions.len() {
-        // Where a picture of a leaf has its midrib.
+        // The midrib's place in a picture of a leaf.
         mesh.uvs.extend([Vec2::new(0.5, 1.0); 4]);
     }
     mesh.positions.extend(stalk.positions);

@@ -177,9 +177,9 @@ impl Architecture {
         self
     }
 
-    /// `G_s1`: how long branches are beside the parent branch, 0 to 10, over their relative position on it,
-    /// when the tree is young. What it says is divided by 1.5 for branches of order 1, by 2 for order 2, and
-    /// so on ([equation 12](super::equation::higher_order_length)).
+    /// `G_s1`: length of branches relative to the parent branch, 0 to 10, over their relative position on it,
+    /// when the tree is young. The value is divided by 1.5 for branches of order 1, by 2 for order 2, and so
+    /// on ([equation 12](super::equation::higher_order_length)).
     pub fn with_young_silhouette(mut self, curve: Curve) -> Self {
         self.young_silhouette = curve;
         self

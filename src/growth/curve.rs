@@ -108,7 +108,7 @@ impl Curve {
                 let weights = [u * u * u, 3.0 * u * u * t, 3.0 * u * t * t, t * t * t];
                 let sum = |axis: usize| (0..4).map(|i| weights[i] * cubic[i][axis]).sum::<f32>();
                 let point = if step == STEPS { cubic[3] } else { [sum(0), sum(1)] };
-                // Where the curve stands upright, its places coincide.
+                // Places coincide where the curve stands upright.
                 if point[0] - points[points.len() - 1][0] >= 1e-6 {
                     points.push(point);
                 }

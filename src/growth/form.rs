@@ -427,7 +427,8 @@ impl<'a> Path<'a> {
     fn new(growth: &'a Growth, number: usize, axis: &Axis, base: Base, length: f32) -> Self {
         let architecture = &growth.architecture;
         let number = number as u64;
-        // Where the trunk's laterals begin is fixed, so that drawings of flat trees are seen from the front.
+        // The azimuth of the trunk's first lateral is fixed, so that drawings of flat trees are seen from the
+        // front.
         let turn =
             if number == 0 { 0.0 } else { unit(growth.seed, Draw::Azimuth as u32, Purpose::GROWTH, number) };
         Self {

@@ -22,10 +22,10 @@ pub struct BranchAngle {
 ///
 /// Both directions are chords over `reach` metres of arc length, the branch's from the fork on and the axis's
 /// up to the fork, on its own branch; finite, at least 0. They span at least one internode that has a length,
-/// so that 0 measures the first internode of the branch against the last of the axis, what a protractor at
-/// the fork reads; a longer reach smooths the crookedness out. Where no part of the axis leads up to the
-/// fork, as at the trunk base, its direction from there on is taken. Branches and axes without any direction
-/// are left out.
+/// so that 0 measures the first internode of the branch against the last of the axis, as a protractor at the
+/// fork would; a longer reach smooths the crookedness out. Where no part of the axis leads up to the fork, as
+/// at the trunk base, its direction from there on is taken. Branches and axes without any direction are left
+/// out.
 ///
 /// O(n + b log n) for b branches.
 ///

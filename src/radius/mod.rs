@@ -36,9 +36,9 @@ use crate::{ParameterError, Skeleton};
 /// [`radii`](Self::radii) returns one number per node, each finite and at least zero, and never growing
 /// towards the tips: a child's radius is at most its parent's. The same skeleton always gets the same radii.
 ///
-/// [`check_radii`] tests this. What breaks if an implementation lies: a wrong length, NaN or a negative number
-/// is refused by [`Skeleton::with_radii`], and whatever called the model fails; a radius that grows towards the
-/// tips goes through, and surfaces then bulge or cross themselves at forks, and
+/// [`check_radii`] tests this. If an implementation breaks the contract: a wrong length, NaN or a negative
+/// number is refused by [`Skeleton::with_radii`], and the caller of the model fails; a radius that grows
+/// towards the tips goes through, and surfaces then bulge or cross themselves at forks, and
 /// [`metrics::pipe_exponent`](crate::metrics::pipe_exponent) finds nothing to fit. Nothing becomes unsound.
 ///
 /// # A model of your own

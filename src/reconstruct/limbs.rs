@@ -94,7 +94,7 @@ fn together(nodes: &Nodes, rings: &[Ring], siblings: &[(u32, Vec<u32>)]) -> Vec<
     let ring = &rings[siblings[0].0 as usize];
     let up = ring.parent.map_or(Vec3::Y, |parent| ring.center - rings[parent as usize].center);
     let up = up.try_normalize().unwrap_or(Vec3::Y);
-    // What all of them together are wide, for a base without nodes.
+    // The width of all of them together, for a base without nodes.
     let width = if ring.nodes.is_empty() { 10.0 } else { ring.spread.max(nodes.side) };
     let mut within: Vec<u32> = Vec::new();
     let mut apart = Vec::new();

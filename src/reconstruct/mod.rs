@@ -166,7 +166,7 @@ impl Reconstruct {
         self
     }
 
-    /// The widest gap that a limb may have, metres, 0 to 100; default 0.5. What is farther off is left out.
+    /// The widest gap that a limb may have, metres, 0 to 100; default 0.5. Parts farther off are left out.
     pub fn with_gap(mut self, metres: f32) -> Self {
         self.gap = metres;
         self
@@ -377,7 +377,7 @@ fn graph(
     let root = nodes.len() as u32;
     let mut positions = nodes.positions.clone();
     let nearest = positions.iter().map(|place| place.distance(base)).fold(f32::INFINITY, f32::min);
-    // Where a node lies in the very place of the base.
+    // For the case that a node lies in the very place of the base.
     let base = if nearest < 1e-5 { base - Vec3::Y * 0.5 * nodes.side } else { base };
     // All of the trunk's lowest ring: what lies no higher than a hand, and within what no trunk is wider than.
     let slab = base.y + 8.0 * nodes.side;
@@ -420,7 +420,7 @@ fn pruned(rings: Vec<Ring>, step: f32) -> Vec<Ring> {
     let count = rings.len();
     let heir = heirs(&rings);
     let mut kept = vec![true; count];
-    // How far each ring's farthest tip is.
+    // Distance from each ring to its farthest tip.
     let mut ahead = vec![0.0_f32; count];
     let mut members: Vec<usize> = rings.iter().map(|ring| ring.nodes.len()).collect();
     for ring in (1..count).rev() {

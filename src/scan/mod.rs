@@ -26,11 +26,12 @@ const MOST_TRIANGLES: u64 = 1 << 28;
 
 /// A terrestrial laser scanner on one or several stands, and what it measures of a scene.
 ///
-/// From each place, beams go out in equal steps of azimuth and elevation wherever something of the scene may be. A beam widens with
-/// its range; seven rays stand for its cross-section. Rays that meet surfaces closer together than the
-/// [separation](Self::with_separation) make one echo, at the mean of their ranges: at edges this lies between both surfaces, a mixed
-/// pixel (Hebert and Krotkov 1992, "3D measurements from imaging laser radars: how good are they?"). What lies behind is hidden, but
-/// for later [echoes](Self::with_echoes). The range has Gaussian noise.
+/// From each place, beams go out in equal steps of azimuth and elevation wherever something of the scene may
+/// be. A beam widens with its range; seven rays stand for its cross-section. Rays that meet surfaces closer
+/// together than the [separation](Self::with_separation) make one echo, at the mean of their ranges: at edges
+/// this lies between both surfaces, a mixed pixel (Hebert and Krotkov 1992, "3D measurements from imaging
+/// laser radars: how good are they?"). Surfaces behind the first echo are hidden, but for later
+/// [echoes](Self::with_echoes). The range has Gaussian noise.
 ///
 /// Same scene, options and seed: same bits, at any number of threads. O(t log t + b log t) for t triangles
 /// and b beams; some 130 bytes per triangle, copies multiplied out.

@@ -20,9 +20,9 @@ const PIECES: u32 = 16;
 const MOST_SHAPES: usize = 10_000;
 
 impl Outline {
-    /// SVG path data, such as the `d` of a `<path>`, with SVG's y turned up; curves and quarters of arcs in 16 straight
-    /// pieces each, open pieces closed. What crosses itself becomes the polygons around what SVG fills by its non-zero rule.
-    /// [`fitted`](Self::fitted) brings it to size.
+    /// SVG path data, such as the `d` of a `<path>`, with SVG's y turned up; curves and quarters of arcs in
+    /// 16 straight pieces each, open pieces closed. A path that crosses itself becomes the polygons around
+    /// the area that SVG fills by its non-zero rule. [`fitted`](Self::fitted) brings it to size.
     ///
     /// # Errors
     /// Text that is not path data from its first to its last character, by the place of what is wrong; numbers that are not
@@ -322,7 +322,7 @@ fn mended(mut contours: Vec<Vec<DVec2>>, rule: FillRule) -> Outline {
     let crosses = || plain.contours().iter().any(|contour| contour.len() > 2 && meeting(contour).is_some());
     let count = contours.iter().map(Vec::len).sum::<usize>();
     let large = !plain.min().abs().max(plain.max().abs()).cmple(Vec2::splat(LARGEST)).all();
-    // What the outline's check refuses anyway is left as it is.
+    // Polygons that the outline's check refuses anyway are left as they are.
     if large || count > MOST || !(crosses() || rule == FillRule::EvenOdd && contours.len() > 1) {
         return plain;
     }

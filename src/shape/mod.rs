@@ -3,13 +3,15 @@
 //! A [`Shape`] says which points it holds. The simple ones are [`Cuboid`], [`Sphere`], [`Ellipsoid`],
 //! [`HalfEllipsoid`], [`Cone`] and [`Cylinder`]; [`Shell`] keeps the rind of another, [`Union`],
 //! [`Intersection`], [`Difference`] and [`Translated`] put others together; [`TriangleMesh`] is a model of
-//! triangles, [`Sketch`] a crown swept from a silhouette, [`Extrusion`] an [`Outline`] with a depth. What is missing is one implementation of [`Shape`] away.
+//! triangles, [`Sketch`] a crown swept from a silhouette, [`Extrusion`] an [`Outline`] with a depth.
+//! Implement [`Shape`] for a shape that is missing.
 //!
 //! Planar trees use the same shapes: a planar shape is the slice z = 0 of a spatial one.
 //!
 //! Constructors accept anything; [`Shape::check`] says what is wrong, once, where synthesis starts. Lengths
-//! are from [`SMALLEST`] to [`LARGEST`], coordinates at most [`LARGEST`] from 0. What a shape that fails its
-//! check holds is unspecified, but using it neither panics nor hangs, and samples are still finite points of it.
+//! are from [`SMALLEST`] to [`LARGEST`], coordinates at most [`LARGEST`] from 0. The points of a shape that
+//! fails its check are unspecified, but using it neither panics nor hangs, and samples are still finite
+//! points of it.
 
 mod bounds;
 mod combine;

@@ -11,9 +11,9 @@ use crate::{ParameterError, math};
 ///
 /// At every height the silhouette goes from some x to another; around the middle of the two lies a cross
 /// profile, a closed curve that reaches them both. Swept from the bottom of the silhouette to its top, the
-/// profiles are the crown's surface. Where the silhouette goes in several pieces at a height, each has a
-/// profile of its own. Without a side view the crown is as deep as it is wide, in the plane z = 0; with one
-/// it reaches the side view's ends.
+/// profiles are the crown's surface. If the silhouette has several pieces at a height, each has a profile of
+/// its own. Without a side view the crown is as deep as it is wide, in the plane z = 0; with one it reaches
+/// the side view's ends.
 ///
 /// Profiles are circles, stretched to the silhouettes, until they are [edited](Self::with_profiles). Heights are those of
 /// the front view; of a side view what lies above or below it does not count.

@@ -102,7 +102,7 @@ impl Body {
                 continue;
             }
             for [a, b, c] in chunk.iter().map(|triangle| triangle.map(|corner| corner - point)) {
-                // Which side of each edge the ray passes.
+                // The side of each edge on which the ray passes.
                 let sides = [way.dot(a.cross(b)), way.dot(b.cross(c)), way.dot(c.cross(a))];
                 let facing = (b - a).cross(c - a);
                 if sides.iter().all(|side| *side >= 0.0) && facing.dot(a) > 0.0 {

@@ -1,8 +1,8 @@
 //! Things far from the origin: their surfaces are made near it and moved back.
 //!
-//! Steps between 32-bit floats grow with the coordinate: at 10 km they are 1 mm, at 454 km 3 cm. Whatever is computed there is
-//! as coarse, again and again. So what is far is moved near the origin first, which rounds nothing, and its surface is rounded
-//! once, on its way back.
+//! Steps between 32-bit floats grow with the coordinate: at 10 km they are 1 mm, at 454 km 3 cm. Every
+//! computation there is as coarse, and errors add up. Far things are therefore moved near the origin first,
+//! which rounds nothing, and their surface is rounded once, on its way back.
 
 use super::mesh::has_area;
 use super::{Mesh, SurfaceError};

@@ -15,9 +15,9 @@ const USUAL: usize = 4;
 
 /// A chain of meshes of one skeleton, each of at most half the triangles of the one before.
 ///
-/// Every level is [`Tubes::with_error`] at the least error that halves the triangles, found in steps of a quarter. So
-/// small branches go first, silhouettes agree within a few errors, nothing is random, and all levels share their axes:
-/// one can fade into the next.
+/// Every level is [`Tubes::with_error`] at the least error that halves the triangles, found in steps of a
+/// quarter. Small branches go first, silhouettes agree within a few errors, nothing is random, and all levels
+/// share their axes: one can fade into the next.
 ///
 /// ```
 /// use treesynth::{presets, surface::Levels};

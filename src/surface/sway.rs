@@ -22,9 +22,10 @@ const CHUNK: usize = 4096;
 /// Motion of a skeleton in the wind; gives [`Wind`] to a mesh, whatever made it.
 ///
 /// A branch bends by a [strain](https://en.wikipedia.org/wiki/Bending) of 0.4% at the strongest gust: by
-/// 0.004 over its radius, radians per metre, so that thin wood bends more than thick. What adds up along a
-/// limb approaches a bound: a turn x becomes x·m / (x + m), with m = 0.12 rad for the trunk, 0.2 for a limb
-/// and 0.25 for a twig with all it bears. A branch begins to bend where it is out of its parent branch.
+/// 0.004 over its radius, radians per metre, so that thin wood bends more than thick. The turn that adds up
+/// along a limb approaches a bound: a turn x becomes x·m / (x + m), with m = 0.12 rad for the trunk, 0.2 for
+/// a limb and 0.25 for a twig with all it bears. A branch begins to bend where it is out of its parent
+/// branch.
 ///
 /// O(nodes) time; 76 bytes of memory per node, 28 per branch.
 ///
@@ -102,7 +103,7 @@ impl Sway {
             starts: vec![0],
             radii: skeleton.radii().to_vec(),
         };
-        // What the bending of the node's level adds up to, unbounded.
+        // The sum of the bending of the node's level, unbounded.
         let mut turns = vec![0.0f32; skeleton.len()];
         for (number, branch) in skeleton.branches().iter().enumerate() {
             let nodes = branch.nodes();
@@ -118,7 +119,7 @@ impl Sway {
             sway.starts.push(sway.nodes.len() as u32);
             let level = branch.order().min(2) as usize;
             let mut turn = if branch.order() > 2 { turns[base] } else { 0.0 };
-            // So far it is within its parent branch.
+            // The length over which it is within its parent branch.
             let mut within = match nodes.get(1) {
                 Some(&first) if number > 0 => skeleton.radii()[base] + 2.0 * skeleton.radii()[first as usize],
                 _ => 0.0,

@@ -26,11 +26,11 @@ const MOST_WIDENING: f32 = 1.3;
 /// and the mesh is not watertight; where a branch bends more tightly than it is thick, its own rings may
 /// cross.
 ///
-/// **Axes** are cubic Hermite curves with Catmull-Rom tangents. They follow every kink of a path through a graph; relax
-/// these first, as by [`Skeleton::relaxed`]`(0.5, 3)`. Frames are carried along without twist. Internodes shorter
-/// than floats can tell (4·2⁻²³ of the coordinates, or 1 nm) are passed over, and a radius smaller than that makes a
-/// single vertex in place of a ring. Where a branch turns back by more than 120° the tube ends and another begins.
-/// The trunk's first ring is level, so that a leaning trunk does not gape at the ground.
+/// **Axes** are cubic Hermite curves with Catmull-Rom tangents. They follow every kink of a path through a
+/// graph; relax these first, as by [`Skeleton::relaxed`]`(0.5, 3)`. Frames are carried along without twist.
+/// Internodes shorter than floats can tell (4·2⁻²³ of the coordinates, or 1 nm) are passed over, and a radius
+/// smaller than that makes a single vertex in place of a ring. At turns of more than 120° the tube ends and
+/// another begins. The trunk's first ring is level, so that a leaning trunk does not gape at the ground.
 ///
 /// **Collars**: a branch flares into its parent branch in a round fillet that shares that branch's normals. Each tube
 /// begins on the triangles of its parent branch or within it, whatever way that bends, tapers or flares; where its base
@@ -38,12 +38,13 @@ const MOST_WIDENING: f32 = 1.3;
 /// branch for more than eight times their radii, or bends as it leaves, has no collar, and begins within that branch,
 /// thinner by 40%.
 ///
-/// **Texture coordinates** count squares of bark of one [size](Self::with_tile): v is metres from the root along
-/// the axes, over that size, and runs on from a branch to what it bears; u is metres around the branch's first ring,
-/// over that size and rounded to a whole number, for a texture must end where it began. So texels are as long
-/// everywhere, and as wide but for the rounding, down to branches one square around; thinner ones squeeze one square.
-/// [`with_square_tiles`](Self::with_square_tiles) shortens squares where they are narrow. Caps of bases continue in metres.
-/// [Tangents](Mesh::tangents) are exact, not averaged over triangles.
+/// **Texture coordinates** count squares of bark of one [size](Self::with_tile): v is metres from the root
+/// along the axes, over that size, and runs on from a branch to what it bears; u is metres around the
+/// branch's first ring, over that size and rounded to a whole number, for a texture must end where it began.
+/// Texels are therefore equally long everywhere, and but for the rounding equally wide, down to branches one
+/// square around; thinner ones squeeze one square. [`with_square_tiles`](Self::with_square_tiles) shortens
+/// squares where they are narrow. Caps of bases continue in metres. [Tangents](Mesh::tangents) are exact, not
+/// averaged over triangles.
 ///
 /// **Far from the origin** a tree has the tubes that it has at the origin, with vertices rounded to what 32-bit floats have there:
 /// 1 mm at 10 km. Where that turns over or flattens more than 2% of the surface there is an error.
@@ -129,11 +130,11 @@ impl Tubes {
         self
     }
 
-    /// Makes rings and sides as few as keep the chords along an axis within `error` metres of the axis, and the edges
-    /// around it within `error` of the circle, instead of asking for sides and a turn. What is too small to be seen at
-    /// that error is left out: collars thinner than it, and branches that show, with all they bear, an area of less
-    /// than 4 `error`². Other branches thinner than it are wider instead, up to it, so that the crown stays as dense.
-    /// At least 1e-6 m; default none.
+    /// Makes rings and sides as few as keep the chords along an axis within `error` metres of the axis, and
+    /// the edges around it within `error` of the circle, instead of asking for sides and a turn. Parts too
+    /// small to be seen at that error are left out: collars thinner than it, and branches that show, with all
+    /// they bear, an area of less than 4 `error`². Other branches thinner than it are wider instead, up to
+    /// it, so that the crown stays as dense. At least 1e-6 m; default none.
     ///
     /// Polygons are as wide as their tubes on the average of all directions. For several errors of one tree, see
     /// [`Levels`](super::Levels).

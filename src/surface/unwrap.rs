@@ -325,7 +325,7 @@ impl Course {
         }
         let scale = knot.tiles / TAU;
         let uvs = std::array::from_fn(|i| Vec2::new(angles[i], spots[i].along) * scale);
-        // Where an axis bends sharply, places along it may be far apart or in disorder.
+        // At sharp bends of an axis, places along it may be far apart or out of order.
         let wanted = f64::from(scale / knot.radius);
         let is_even = densities(points, uvs).is_none_or(|[most, least]| {
             most < MOST_STRETCHED * least

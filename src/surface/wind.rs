@@ -30,11 +30,12 @@ use std::f32::consts::TAU;
 /// (up·|g| + g)·0.7·flutter·sin(2π·t·20 / 8 s + dot(position, (9, 7, 11)))
 /// ```
 ///
-/// Why junctions hold: the motion is linear in the moments and a triangle's points move as its corners say, so that a
-/// branch base with the moments of the place on its parent branch moves exactly as that place. Its own level's moment is
-/// zero there. What linear motion costs: a turn by the angle θ makes what turns longer by a factor of √(1 + θ²). The angles of
-/// a tip at the strongest gust are at most 0.12 rad by the trunk, 0.2 by the limb and 0.25 by the twig, and mostly half of
-/// that. Normals may stay as they are.
+/// Junctions stay closed because the motion is linear in the moments and a triangle's points move as its
+/// corners do, so that a branch base with the moments of the place on its parent branch moves exactly as that
+/// place. Its own level's moment is zero there. The cost of linear motion: a turn by the angle θ makes the
+/// turned part longer by a factor of √(1 + θ²). The angles of a tip at the strongest gust are at most 0.12
+/// rad by the trunk, 0.2 by the limb and 0.25 by the twig, and mostly half of that. Normals may stay as they
+/// are.
 ///
 /// Everything repeats after [`PERIOD`](Self::PERIOD) seconds. A level moves a vertex by at most 1.2·|g| times
 /// its moment's length, and what has no moment does not move: roots never do.

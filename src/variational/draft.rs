@@ -263,7 +263,7 @@ impl Draft {
                 self.wishes[node].length = length;
             }
         }
-        // What goes on from a bare node is as long as both were to be.
+        // The internode that goes on from a bare node is as long as both were to be.
         for node in 1..self.len() {
             let below = self.parents[node] as usize;
             if !holds[below] && !self.is_open(below) && !has_lateral[below] {
@@ -282,7 +282,7 @@ impl Draft {
             let below = self.parents[node] as usize;
             let parent = names[below];
             names[node] = parent;
-            // What went straight on from a node that is gone stands where that stood, at its angle.
+            // An internode that went straight on from a removed node takes that node's place, and its angle.
             if below > 0 && !holds(below) && self.stages[below] == self.stages[node] {
                 (wishes[node].angle, wishes[node].turn) = (wishes[below].angle, wishes[below].turn);
             }

@@ -207,7 +207,7 @@ impl<'a> Graft<'a> {
         }
         let flow = self.flows[node as usize];
         let (old, thick) = (self.parent(node), self.thick[node as usize]);
-        // What each ancestor's internodes below it save.
+        // The cost that the internodes below each ancestor save.
         let (mut saved, mut below) = (0.0, old);
         marks[below as usize] = (turn, 0.0);
         while below != 0 {
@@ -407,8 +407,8 @@ impl<'a> Graft<'a> {
         self.draft.len() as u32 - 1
     }
 
-    /// A new node in the internode to `node`, of which `share` lies below it. What was asked of the internode is asked of
-    /// its lower part, and the upper goes straight on.
+    /// A new node in the internode to `node`, of which `share` lies below it. The targets of the internode
+    /// pass to its lower part, and the upper goes straight on.
     fn insert(&mut self, node: u32, share: f64, position: DVec3) -> u32 {
         let (parent, mut wish) = (self.parent(node), self.draft.wishes[node as usize]);
         let whole = wish.length;

@@ -83,11 +83,11 @@ impl GuidanceShape {
     /// neighbours. With 0 all are on the surface.
     ///
     /// Of a shape that can [sample](Shape::sample_surface) its surface, as meshes can, five points per node
-    /// are drawn from it. With others, random lines meet a surface evenly (Crofton), and how often they do
-    /// gives its area; so all that is asked of the shape is what it contains. Where it is thinner than a
-    /// 200th of its bounds, lines may pass through unnoticed. Of five places a node those far apart are kept;
-    /// A is the area over the count, the diameter `2 sqrt(A / 2π)`. O(n log n), and without surface samples
-    /// about 2000 calls of `contains` a node.
+    /// are drawn from it. With others, random lines meet a surface evenly (Crofton), and the number of hits
+    /// gives its area, so that only [`contains`](Shape::contains) is needed. Lines may pass unnoticed through
+    /// parts thinner than a 200th of the bounds. Of five places per node those far apart are kept; A is the
+    /// area over the count, the diameter `2 sqrt(A / 2π)`. O(n log n), and without surface samples about 2000
+    /// calls of `contains` per node.
     ///
     /// # Errors
     /// A shape that fails its check or of which no surface is found, or a count or a jitter out of range.

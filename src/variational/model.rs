@@ -196,7 +196,7 @@ impl<'a> Model<'a> {
         for node in 1..count {
             let parent = self.parents[node] as usize;
             let way = positions[node] - positions[parent];
-            // What is asked of an internode resists too, over about the length asked for.
+            // The target of an internode resists too, over about the target length.
             let wished = self.wishes[node].length.min(way.length()).max(soft.length);
             let spring = stiff(self.thick[node], way)
                 + self.weights.mu * self.thick[node] / (4.0 * soft.deviation * wished);

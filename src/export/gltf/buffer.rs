@@ -10,7 +10,7 @@ use glam::Vec3;
 /// The highest index of two bytes is 65,534: the next one means a new strip.
 const SHORT: usize = 65_535;
 
-/// Greatest number of pieces in which merged copies are drawn. Where 16-bit indices would need more pieces,
+/// Greatest number of pieces in which merged copies are drawn. If 16-bit indices would need more pieces,
 /// indices have 32 bits.
 const MOST_PIECES: usize = 256;
 

@@ -36,7 +36,8 @@ struct Known<'a> {
     geometries: BTreeMap<(usize, Option<usize>), usize>,
     /// Meshes of the file by geometry and material.
     entries: BTreeMap<(usize, usize), usize>,
-    /// The accessors of instances: translation, rotation, scale, tint. By mesh, since its grid is in them.
+    /// The accessors of instances: translation, rotation, scale, tint. They differ by mesh, since its grid is
+    /// in them.
     instances: BTreeMap<(usize, usize), Vec<(&'static str, usize)>>,
 }
 

@@ -175,7 +175,7 @@ impl Animation {
     }
 }
 
-/// Whether a part can move: it stands in one place, which is its own, and has wind.
+/// `true` if a part can move: it stands in one place, which is its own, and has wind.
 pub(super) fn moves(part: &Part<'_>) -> bool {
     part.instances().is_none() && part.transform() == Transform::IDENTITY && !part.mesh().wind.is_empty()
 }

@@ -79,7 +79,7 @@ impl Bounded {
         if field.value() < 1.0 {
             return mixed;
         }
-        // What is added has the value 0 and the slope of the bounding field, if it has one here.
+        // The part added has the value 0 and the slope of the bounding field, if it has one here.
         let slope = difference.chain(difference.value(), 0.0).times(field);
         inside.plus(slope.chain(0.0, 1.0))
     }

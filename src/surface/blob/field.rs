@@ -23,8 +23,9 @@ const WYVILL_REACH: f32 = 2.201_663_5;
 )]
 #[non_exhaustive]
 pub enum FieldFunction {
-    /// From 1 at x = 1 - w to 0 at 1 + w for the `width` w, above 0 and at most 1, by the polynomial of degree 5 without slope
-    /// or curvature at both ends. So w says how far blends reach, in radii.
+    /// From 1 at x = 1 - w to 0 at 1 + w for the `width` w, above 0 and at most 1, by the polynomial of
+    /// degree 5 without slope or curvature at both ends. The width w is therefore the reach of blends, in
+    /// radii.
     Smooth {
         /// Half the way from 1 to 0, in radii.
         width: f32,

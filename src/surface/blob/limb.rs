@@ -2,8 +2,8 @@
 //!
 //! A limb has two values: its own, that of its axis alone, and the greatest of all that stands on it. At a
 //! fork the own values of the parent branch and the lateral are blended; the parent branch keeps its own for
-//! the next lateral, and the blend joins the rest, which is never blended with anything. So branches that
-//! only pass each other meet as by a union.
+//! the next lateral, and the blend joins the rest, which is never blended with anything. Branches that only
+//! pass each other therefore meet as by a union.
 
 use super::bounded::Bounded;
 use super::jet::Jet;

@@ -73,7 +73,7 @@ impl Part for BlobPart {
 
     fn span(&self, passage: &Passage) -> Option<Span> {
         let passage = &Passage { origin: passage.origin - self.origin, ..*passage };
-        // Where only a bounding field is felt there is nothing.
+        // Nothing counts where only a bounding field is felt.
         let next = self.steps.iter().skip(1).map(Some).chain([None]);
         hull(self.steps.iter().zip(next).map(|step| match step {
             (Kind::Leaf(_), Some(Kind::Bounded { .. } | Kind::Fork(Fork { is_bounded: true, .. }))) => None,
@@ -277,14 +277,14 @@ impl Scene {
         let felt = |part: Option<usize>, fates: &[Fate]| part.filter(|&part| !fates[part].is_nothing());
         let (parent, lateral) = (felt(parent, fates), felt(lateral, fates));
         let Some(lateral) = lateral else {
-            // What bears it is as it was.
+            // The parent branch stays as it was.
             let Some(parent) = parent else { return Fate::nothing(start) };
             fates[parent].needed = true;
             return Fate { start, step: None, needed: false, ..fates[parent] };
         };
         let ranges = |part: usize| [fates[part].range, fates[part].rest];
         let [own, other] = [parent.map_or([Range::NOTHING; 2], ranges), ranges(lateral)];
-        // Where one of them is not felt nothing blends.
+        // Nothing blends where one of them is not felt.
         let blends = !own[0].is_nothing() && !other[0].is_nothing();
         let field = felt(field, fates).filter(|_| blends);
         let bounding = field.map_or(Range::NOTHING, |field| fates[field].range);

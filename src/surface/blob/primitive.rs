@@ -14,9 +14,10 @@ const ROUNDING: f32 = 8.0 * f32::EPSILON;
 
 /// A skeletal primitive: a point, a line or a cone segment, its radius, the field around it and its colour.
 ///
-/// A cone segment is the union of the balls along its axis, whose radii are interpolated between its ends, and its field the
-/// greatest of theirs: it depends on the least distance from a point of the axis over the radius there. So cones of one taper, end
-/// to end, are smooth where they meet, and round where the second tapers more. What is out of range is refused where it is
+/// A cone segment is the union of the balls along its axis, whose radii are interpolated between its ends,
+/// and its field the greatest of theirs: it depends on the least distance from a point of the axis over the
+/// radius there. Cones of one taper, end to end, are therefore smooth where they meet, and round where the
+/// second tapers more. Values out of range are refused when the primitive is
 /// [added](super::BlobTreeBuilder::add).
 #[must_use]
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -196,7 +197,8 @@ impl Leaf {
     fn strongest(&self, offset: Vec3) -> ([f32; 2], f32) {
         let beside = offset.dot(self.way) * self.inverse;
         let square = (offset - self.way * beside).length_squared();
-        // Where the derivative of (distance / radius)² is 0. Where the radius would be below 0, it is the thick end.
+        // The place where the derivative of (distance / radius)² is 0. If the radius would be below 0 there,
+        // it is the thick end.
         let swell = 1.0 + self.growth * beside;
         ([beside * swell + self.growth * square * self.inverse, swell], square)
     }

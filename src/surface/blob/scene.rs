@@ -318,7 +318,7 @@ impl Scene {
                     rest
                 }
             };
-            // What is not felt has no colour either, whether its step is there or not.
+            // A part that is not felt has no colour either, whether its step is there or not.
             stack.push(if felt.0 > 0.0 { felt } else { (0.0, [0.0; 3]) });
         }
         let stronger =

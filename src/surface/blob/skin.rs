@@ -406,7 +406,7 @@ impl Tailor<'_> {
             *metres = (*metres - cone.length()).max(0.0);
         }
         let (ball, along) = (FLAT * radius, way.normalize_or(Vec3::Y));
-        // What lies on the ground has its end cut off across.
+        // A trunk that lies on the ground has its end cut off across.
         let up = if along.y >= LEAST_RISE { Vec3::Y } else { along };
         let mut parts = Vec::new();
         if !below.is_empty() {
@@ -469,7 +469,7 @@ impl Tailor<'_> {
     }
 
     fn pressed(&self) -> Operator {
-        // Where fields reach farther they are flatter: so bulges are as wide and high as ever.
+        // Fields that reach farther are flatter; a smaller reach keeps bulges as wide and high as ever.
         let reach = (NARROW / self.skin.blend).min(ISO);
         Operator::Contact(Contact::default().with_reach(reach).with_bulge(self.skin.bulge))
     }

@@ -25,14 +25,14 @@ use solid::Solid;
 
 /// One closed, watertight mesh of the whole tree: branches flow into each other in round fillets.
 ///
-/// The tree is an implicit surface, as in the `BlobTree` trees of Galbraith, `MacMurchy` and Wyvill 2004 (section 3):
-/// each internode is
-/// a skeletal primitive, a cone with a ball at each end, of radii interpolated along the branch. Its field is
-/// `f = 1 + (1 - d/r)/b`, at the distance d from the axis, for the radius r there and the [blend](Self::with_blend) b: 1 on
-/// its surface, 0 where the distance exceeds the radius by the blend width b·r. Along a branch the
-/// primitives are joined (the greatest f counts), and branches are blended (Ricci 1973): the surface is where the root of the
-/// sum of the squares of their f is 1. So the fillet between two branches of one radius at right angles is an arc of
-/// the blend width; nothing grows by more than that; and a branch away from others has exactly its radius.
+/// The tree is an implicit surface, as in the `BlobTree` trees of Galbraith, `MacMurchy` and Wyvill 2004
+/// (section 3): each internode is a skeletal primitive, a cone with a ball at each end, of radii interpolated
+/// along the branch. Its field is `f = 1 + (1 - d/r)/b`, at the distance d from the axis, for the radius r
+/// there and the [blend](Self::with_blend) b: 1 on its surface, 0 where the distance exceeds the radius by
+/// the blend width b·r. Along a branch the primitives are joined (the greatest f counts), and branches are
+/// blended (Ricci 1973): the surface is where the root of the sum of the squares of their f is 1. The fillet
+/// between two branches of one radius at right angles is an arc of the blend width; nothing grows by more
+/// than that; and a branch away from others has exactly its radius.
 ///
 /// Guaranteed: every side of a triangle is one of exactly two, in opposite directions, and around each vertex
 /// there is one fan of triangles; triangles have an area and face outward; vertices are within a voxel of the
@@ -50,7 +50,7 @@ use solid::Solid;
 /// 1 mm at 10 km. Where that turns over or flattens more than 2% of the surface there is an error.
 ///
 /// Time and memory grow with the voxels at the surface: 48 bytes per vertex for the mesh and about 10 on the
-/// way to it, times the primitives felt at one place. Where that is too much, [longer
+/// way to it, times the primitives felt at one place. If that is too much, [longer
 /// triangles](Self::with_error) take a fifth of it, and twice the time.
 ///
 /// ```
@@ -117,8 +117,8 @@ impl Implicit {
     /// Greatest distance of triangles' sides from the surface, in units of the voxels there, 0 to 0.25: with
     /// more, triangles are longer than a voxel and fewer. Default 0, which leaves each within a voxel.
     /// Triangles within a voxel are off by 0.1 themselves, on twigs of a voxel's radius. 0.15 leaves a fifth
-    /// of a tree's vertices, 0.2 a seventh, at twice the time. What is guaranteed stays, and the vertices
-    /// that are left are where they were.
+    /// of a tree's vertices, 0.2 a seventh, at twice the time. The guarantees stay, and the vertices that are
+    /// left do not move.
     pub fn with_error(mut self, voxels: f32) -> Self {
         self.error = voxels;
         self

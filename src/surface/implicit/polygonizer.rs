@@ -11,12 +11,12 @@ const DETAIL: f32 = 8.0;
 
 /// One closed mesh of a [`BlobTree`], with its colours.
 ///
-/// Voxels are all of one side if a [voxel](Self::with_voxel) is asked for; with a [detail](Self::with_detail) they are as fine as
-/// the features near them: a part of the radius of the primitives that are felt there, finer still where parts press on each
-/// other, but never finer than the finest. The method and what it guarantees are those of
-/// [`Implicit`](super::Implicit): every side of a triangle is one of exactly two, around each vertex there is one fan, the same
-/// bits come at any number of threads. Creases are cut off by a part of a voxel. What is thinner than a voxel may break into
-/// pieces or be missed, each piece closed.
+/// Voxels are all of one side if a [voxel](Self::with_voxel) is asked for; with a [detail](Self::with_detail)
+/// they are as fine as the features near them: a part of the radius of the primitives that are felt there,
+/// finer still where parts press on each other, but never finer than the finest. The method and what it
+/// guarantees are those of [`Implicit`](super::Implicit): every side of a triangle is one of exactly two,
+/// around each vertex there is one fan, the same bits come at any number of threads. Creases are cut off by a
+/// part of a voxel. Features thinner than a voxel may break into pieces or be missed; each piece is closed.
 ///
 /// Time and memory grow with the voxels at the surface, times the primitives felt at one place.
 ///

@@ -1,8 +1,9 @@
 //! Polygons cut into triangles, by ears.
 //!
-//! Two rules make this more than a fan, and more than what crates for ear cutting do. No corner is left out, not even one
-//! in the middle of a straight side: a neighbouring polygon may meet it there, and the surface would gape. And no corner is
-//! added or moved, since vertices are shared. So every polygon of n corners becomes n - 2 triangles of its own corners.
+//! Two rules make this more than a fan, and more than what crates for ear cutting do. No corner is left out,
+//! not even one in the middle of a straight side: a neighbouring polygon may meet it there, and the surface
+//! would gape. And no corner is added or moved, since vertices are shared. Every polygon of n corners
+//! therefore becomes n - 2 triangles of its own corners.
 
 use std::collections::VecDeque;
 
@@ -151,7 +152,7 @@ impl<'a> Ears<'a> {
     fn cut(mut self, triangle: &mut impl FnMut([usize; 3])) -> bool {
         let mut left = self.flat.len();
         let mut waiting: VecDeque<usize> = (0..left).collect();
-        // Whether an ear was cut since all corners were asked, and a corner that is left.
+        // `true` if an ear was cut since all corners were tried; and a corner that is left.
         let (mut progress, mut any) = (false, 0);
         while left > 3 {
             self.tests += 1;

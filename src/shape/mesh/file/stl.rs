@@ -123,7 +123,7 @@ fn text(reader: impl BufRead, soup: &mut Soup) -> Result<(), TriangleMeshError> 
                 loose = 0;
             }
             match &keyword[..] {
-                // What follows is a name, of any words.
+                // A name of any words follows.
                 b"solid" | b"endsolid" => {
                     begun = true;
                     ended = keyword.starts_with(b"end");
