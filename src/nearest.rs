@@ -8,7 +8,7 @@ use kiddo::immutable::float::kdtree::ImmutableKdTree;
 
 use crate::parallel;
 
-/// Places asked for by one task.
+/// Places searched by one task.
 const CHUNK: usize = 2048;
 
 /// The first node of each place: only these go into a search tree.

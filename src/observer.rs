@@ -57,9 +57,9 @@ pub enum Work {
     },
     /// A season of a forest.
     Season {
-        /// The season, from 0, of those that were asked for.
+        /// The season's number among those requested, from 0.
         index: u32,
-        /// The number of seasons asked for.
+        /// The number of seasons requested.
         of: u32,
     },
     /// The radii are being worked out.
@@ -134,12 +134,12 @@ impl<'a> Watch<'a> {
         Self::part(observer, work, 0.0..1.0, of, every)
     }
 
-    /// Of what nobody watches.
+    /// A watch without an observer.
     pub(crate) fn silent() -> Watch<'static> {
         Watch::new(&Silent, Work::Surface, 1, usize::MAX)
     }
 
-    /// Of a part of some work.
+    /// Watches a part of some work.
     pub(crate) fn part(
         observer: &'a dyn Observer,
         work: Work,

@@ -90,7 +90,7 @@ pub(crate) fn number(word: &[u8]) -> Option<f64> {
     std::str::from_utf8(word).ok()?.parse().ok()
 }
 
-/// Up to 40 characters of what was found, in quotes, for an error.
+/// Up to 40 characters of the bytes found, in quotes, for an error.
 pub(crate) fn quoted(bytes: &[u8]) -> String {
     const MOST: usize = 40;
     let start = String::from_utf8_lossy(&bytes[..bytes.len().min(4 * MOST)]);

@@ -11,7 +11,7 @@ pub(super) const PADDING: usize = 4;
 /// Share of the light from behind that one layer of leaves lets through; each further layer lets through the
 /// same share.
 const THROUGH: f32 = 0.45;
-/// Colour of the light that passes a leaf, beside that of the light it reflects: yellower, brighter.
+/// Colour of the light that passes a leaf, relative to that of the light it reflects: yellower, brighter.
 const GLOW: [f32; 3] = [1.35, 1.5, 0.7];
 /// Pixels with less cover are holes.
 pub(super) const CUTOFF: f32 = 0.5;

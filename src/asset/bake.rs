@@ -30,7 +30,7 @@ impl View {
         Self { right, up: toward.cross(right), toward, center, half }
     }
 
-    /// From the world to right, up, and toward the viewer.
+    /// Matrix from the world to right, up, and toward the viewer.
     fn matrix(&self) -> Mat3 {
         Mat3::from_cols(self.right, self.up, self.toward).transpose()
     }
@@ -54,9 +54,9 @@ pub(super) struct Sample {
     /// Toward the viewer, metres from the view's centre; minus infinity where there is nothing.
     pub(super) depth: f32,
     pub(super) color: [f32; 3],
-    /// In the view's frame.
+    /// Normal in the view's frame.
     pub(super) normal: Vec3,
-    /// Of all that lies behind this point, the nearest included.
+    /// Layers of all that lies behind this point, the nearest included.
     pub(super) layers: f32,
 }
 
@@ -66,7 +66,7 @@ pub(super) struct Raster {
     view: View,
     width: usize,
     height: usize,
-    /// Along each side of a pixel.
+    /// Points along each side of a pixel.
     samples: usize,
     all: Vec<Sample>,
 }
@@ -94,7 +94,7 @@ pub(super) struct Pixel {
     pub(super) color: [f32; 3],
     /// Covered share of the pixel, 0 to 1.
     pub(super) cover: f32,
-    /// Of length 1, in the view's frame; zero where there is nothing.
+    /// Normal of length 1, in the view's frame; zero where there is nothing.
     pub(super) normal: Vec3,
     pub(super) depth: f32,
     pub(super) layers: f32,

@@ -216,7 +216,7 @@ impl AssetBuilder {
         self.build_observed(skeleton, seed, &Silent)
     }
 
-    /// As [`build`](Self::build), telling `observer` how far it is and stopping when told to.
+    /// As [`build`](Self::build), reporting progress to `observer`, which can cancel the work.
     ///
     /// # Errors
     /// As [`build`](Self::build), and [`AssetError::Cancelled`].
@@ -251,7 +251,7 @@ impl AssetBuilder {
         self.build_with_observed(skeleton, leaves, &Silent)
     }
 
-    /// As [`build_with`](Self::build_with), telling `observer` how far it is and stopping when told to.
+    /// As [`build_with`](Self::build_with), reporting progress to `observer`, which can cancel the work.
     ///
     /// # Errors
     /// As [`build_with`](Self::build_with), and [`AssetError::Cancelled`].
@@ -304,12 +304,13 @@ impl AssetBuilder {
         Ok(())
     }
 
-    /// The tubes as the bark is made: where thin wood is another piece, their wind tells the node of each vertex.
+    /// The tubes as the bark is made: where thin wood is another piece, their wind has the node of each
+    /// vertex.
     pub(super) fn own_tubes(&self) -> Tubes {
         if self.young.is_some() { self.tubes.clone().with_wind(true) } else { self.tubes.clone() }
     }
 
-    /// Takes thin wood out of the bark, and from both the wind that nobody asked for.
+    /// Takes thin wood out of the bark, and from both the wind if it is not wanted.
     pub(super) fn split(&self, bark: &mut Piece, skeleton: &Skeleton) -> Option<Piece> {
         let mut young = self.young.as_ref()?.split(bark, skeleton, self.tubes.has_even_texels());
         if !self.tubes.has_wind() {
@@ -326,7 +327,7 @@ pub(super) fn check_side(name: &str, side: u32) -> Result<(), ParameterError> {
     ParameterError::unless(holds, name, side, "a power of two, 128 to 8192 pixels")
 }
 
-/// Of an asset in the making: bark is planned a few times, and the dense model drawn from four sides.
+/// Watch of an asset in the making: bark is planned a few times, and the dense model drawn from four sides.
 pub(super) fn watch<'a>(skeleton: &Skeleton, leaves: &[Leaves], observer: &'a dyn Observer) -> Watch<'a> {
     let triangles: u64 = leaves.iter().map(|leaves| leaves.part().triangles()).sum();
     Watch::new(observer, Work::Asset, 20 * skeleton.len() + 4 * triangles as usize / 20, DRAWN)

@@ -23,7 +23,7 @@ pub(super) struct Source<'a> {
     pub(super) dresses: &'a [Dress],
     pub(super) all: &'a [Leaf],
     pub(super) bark: Material,
-    /// For each node, whether its internode is on no mesh of bark.
+    /// For each node, `true` if its internode is on no mesh of bark.
     pub(super) bare: &'a [bool],
     /// For each node, the numbers of the clusters of this level that it is in; `u32::MAX` for none.
     pub(super) cluster_of: &'a [u32],
@@ -32,7 +32,7 @@ pub(super) struct Source<'a> {
 /// One kind of card.
 #[derive(Debug)]
 pub(super) struct Kind {
-    /// In the frame of the model's cluster, from its base.
+    /// Mesh in the frame of the model's cluster, from its base.
     pub(super) mesh: Mesh,
     /// Middle of its leaves, from its base.
     middle: Vec3,

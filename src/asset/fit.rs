@@ -39,14 +39,14 @@ pub(super) struct Look {
 }
 
 impl Look {
-    /// Of a model of triangles without holes, whose cover is the same at every size.
+    /// The look of a model of triangles without holes, whose cover is the same at every size.
     pub(super) fn of(parts: &[Part<'_>], watch: &Watch<'_>) -> Result<Self, AssetError> {
         let look = Self::at(parts, Frame::of(parts, MEASURED.1 as usize)?, watch);
         watch.pass(0)?;
         Ok(look)
     }
 
-    /// In pictures of this size.
+    /// The look in pictures of this size.
     fn at(parts: &[Part<'_>], frame: Frame, watch: &Watch<'_>) -> Self {
         let skins = skins(parts);
         let drawn = drawn(parts, &skins);

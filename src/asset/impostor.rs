@@ -100,7 +100,7 @@ impl Impostor {
         self.billboards_observed(parts, &Silent)
     }
 
-    /// As [`billboards`](Self::billboards), telling `observer` how far it is and stopping when told to.
+    /// As [`billboards`](Self::billboards), reporting progress to `observer`, which can cancel the work.
     ///
     /// # Errors
     /// As [`billboards`](Self::billboards), and [`AssetError::Cancelled`].
@@ -213,7 +213,7 @@ impl Impostor {
         self.octahedral_observed(parts, &Silent)
     }
 
-    /// As [`octahedral`](Self::octahedral), telling `observer` how far it is and stopping when told to.
+    /// As [`octahedral`](Self::octahedral), reporting progress to `observer`, which can cancel the work.
     ///
     /// # Errors
     /// As [`octahedral`](Self::octahedral), and [`AssetError::Cancelled`].
@@ -300,9 +300,10 @@ fn sides(views: &[View], grid: Grid) -> Mesh {
     mesh
 }
 
-/// The normal that a billboard shows where the tree has this one, in the frame of its view. A billboard stands in the middle of the
-/// crown: there normals lie in its plane, or look up. Were it to show those of the side from which it was baked, one that is seen
-/// edge-on would be as dark or light as no other beside it.
+/// The normal that a billboard shows where the tree has this one, in the frame of its view. A billboard
+/// stands in the middle of the crown: there normals lie in its plane, or look up. With the normals of the
+/// side from which it was baked, a billboard that is seen edge-on would be much darker or lighter than the
+/// others.
 fn upright(normal: Vec3) -> Vec3 {
     if normal == Vec3::ZERO {
         return normal;
@@ -342,7 +343,7 @@ pub struct Octahedral {
 }
 
 impl Octahedral {
-    /// All that a shader has to know, as JSON text to be put beside the images.
+    /// All that a shader has to know, as JSON text to be stored with the images.
     pub fn json(&self) -> String {
         let Self { grid, margin, center, radius, .. } = self;
         let pixels = self.color.width();

@@ -125,7 +125,7 @@ fn pieces(mesh: &Mesh) -> Vec<usize> {
 struct Veins {
     /// Start and end of each, one or more per piece of the mesh.
     main: Vec<[Vec2; 2]>,
-    /// For each vertex, which of these are its piece's.
+    /// For each vertex, the range of these that belong to its piece.
     of: Vec<(u32, u32)>,
 }
 

@@ -26,7 +26,7 @@ impl AssetBuilder {
         self.levels_observed(skeleton, seed, shares, &Silent)
     }
 
-    /// As [`levels`](Self::levels), telling `observer` how far it is and stopping when told to.
+    /// As [`levels`](Self::levels), reporting progress to `observer`, which can cancel the work.
     ///
     /// # Errors
     /// As [`levels`](Self::levels), and [`AssetError::Cancelled`].
@@ -53,7 +53,7 @@ impl AssetBuilder {
         self.levels_with_observed(skeleton, leaves, shares, &Silent)
     }
 
-    /// As [`levels_with`](Self::levels_with), telling `observer` how far it is and stopping when told to.
+    /// As [`levels_with`](Self::levels_with), reporting progress to `observer`, which can cancel the work.
     ///
     /// # Errors
     /// As [`levels_with`](Self::levels_with), and [`AssetError::Cancelled`].

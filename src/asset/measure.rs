@@ -30,9 +30,10 @@ const DIRECT: f32 = 0.65;
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub struct Likeness {
-    /// The area that the model hides beside that of the other, less 1: 0.03 is 3% more.
+    /// The area that the model hides relative to that of the other, less 1: 0.03 is 3% more.
     pub cover: f32,
-    /// Between the mean colours, in CIE Lab of 1976 (D65): 2 is what an untrained eye sees side by side.
+    /// Distance between the mean colours, in CIE Lab of 1976 (D65): 2 is what an untrained eye sees side by
+    /// side.
     pub color: f32,
     /// Structural similarity of the pictures' lightness on white, within the smallest box about the tree; 1 is the same (Wang et al. 2004).
     pub ssim: f32,
@@ -194,7 +195,7 @@ pub(super) fn reach(parts: &[Part<'_>], from: Vec3) -> f32 {
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Frame {
     center: Vec3,
-    /// Of the model.
+    /// Size of the model, metres.
     size: Vec3,
     pixel: f32,
     half: Vec2,
@@ -292,7 +293,8 @@ pub(super) fn lab([r, g, b]: [f32; 3]) -> [f32; 3] {
     [116.0 * y - 16.0, 500.0 * (x - y), 200.0 * (y - z)]
 }
 
-/// Of two pictures' encoded grey on white, in windows of 8 x 8 pixels, four apart, in which there is something.
+/// Structural similarity of two pictures' encoded grey on white, in windows of 8 x 8 pixels, four apart, that
+/// are not empty.
 fn ssim(a: &Baked, b: &Baked) -> f32 {
     let tones = Tones::new();
     let grey = |baked: &Baked| -> Vec<f64> {

@@ -19,7 +19,7 @@ pub(super) struct Skin {
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Texel {
     pub(super) color: [f32; 3],
-    /// In tangent space.
+    /// Normal in tangent space.
     pub(super) normal: Vec3,
     /// The tangent at the triangle's first corner, if there is a normal map.
     pub(super) tangent: Option<Vec4>,

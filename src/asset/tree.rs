@@ -269,7 +269,7 @@ impl<'a> Tree<'a> {
         (order, cards)
     }
 
-    /// For each node whether no bark is about its internode.
+    /// For each node, `true` if no bark is about its internode.
     fn bare(&self, kept: &[bool]) -> Vec<bool> {
         let mut bare = vec![false; self.skeleton.len()];
         for (branch, kept) in self.skeleton.branches().iter().zip(kept) {

@@ -19,7 +19,8 @@ pub enum PlyFormat {
 /// Writes all parts as one list of vertices and one of triangles, instances multiplied out one by one. The parts'
 /// colours go to the vertices (sRGB), times the vertices' own and the copies' tints; texture coordinates `s` and `t` are there if every part has them, `t` going up.
 ///
-/// Metres, +Y up, unless [`write_ply_with`] is told otherwise. O(vertices + triangles) time, O(1) memory.
+/// Metres, +Y up, unless other axes are passed to [`write_ply_with`]. O(vertices + triangles) time, O(1)
+/// memory.
 ///
 /// ```
 /// use treesynth::export::{self, PlyFormat};

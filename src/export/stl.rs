@@ -8,8 +8,9 @@ use crate::surface::Part;
 use glam::Vec3;
 use std::io::{self, Write};
 
-/// Writes the triangles of all parts, instances multiplied out one by one. Normals are those of the triangles. STL knows
-/// no unit and no axis; the numbers are metres and +Y is up, unless [`write_stl_with`] is told otherwise.
+/// Writes the triangles of all parts, instances multiplied out one by one. Normals are those of the
+/// triangles. STL knows no unit and no axis; the numbers are metres and +Y is up, unless other axes are
+/// passed to [`write_stl_with`].
 ///
 /// O(triangles) time, O(vertices of the largest mesh) memory.
 ///

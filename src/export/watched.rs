@@ -6,7 +6,8 @@ use std::io::{self, Write};
 /// Bytes from one report to the next.
 const CHUNK: u64 = 1 << 17;
 
-/// A writer that tells an observer how much has been written, and stops when told to: around the writer of any exporter.
+/// A writer that reports progress to an observer, which can cancel the work. It wraps the writer of any
+/// exporter.
 ///
 /// After the observer's `Break` every write fails, and the exporter ends with
 /// [`ExportError::Cancelled`](super::ExportError): the file is cut off, and up to the caller to remove. The
@@ -42,7 +43,7 @@ impl<W: std::fmt::Debug> std::fmt::Debug for Watched<'_, W> {
 }
 
 impl<'a, W: Write> Watched<'a, W> {
-    /// Of a file of unknown size: the fraction told comes nearer and nearer to 1.
+    /// A writer for a file of unknown size: the reported fraction approaches 1.
     pub fn new(writer: W, observer: &'a dyn Observer) -> Self {
         Self { writer, observer, bytes: 0, written: 0, next: 0, is_cancelled: false }
     }

@@ -100,7 +100,7 @@ pub struct Leaves {
 }
 
 impl Leaves {
-    /// To be written or drawn, under the name `leaves`.
+    /// The leaves as a part named `leaves`, to be written or drawn.
     pub fn part(&self) -> Part<'_> {
         Part::new(self.leaf.mesh())
             .with_name("leaves")
@@ -310,7 +310,7 @@ impl Foliage {
         self.place_observed(skeleton, seed, &Silent)
     }
 
-    /// As [`place`](Self::place), telling `observer` how far it is and stopping when told to.
+    /// As [`place`](Self::place), reporting progress to `observer`, which can cancel the work.
     ///
     /// # Errors
     /// As [`place`](Self::place), and [`FoliageError::Cancelled`].

@@ -67,7 +67,7 @@ pub(super) fn place(
     Ok(leaves)
 }
 
-/// From each node to the farthest tip it bears, metres along the branches.
+/// Distance from each node to the farthest tip it bears, metres along the branches.
 fn farthest_tips(skeleton: &Skeleton) -> Vec<f32> {
     let mut farthest = vec![0.0f32; skeleton.len()];
     let positions = skeleton.positions();
@@ -265,7 +265,7 @@ struct Internode {
     tip: Vec3,
     length: f32,
     direction: Vec3,
-    /// At its lower and at its upper end, metres.
+    /// Radii at its lower and at its upper end, metres.
     radii: [f32; 2],
     farthest: f32,
 }

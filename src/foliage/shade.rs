@@ -61,7 +61,7 @@ pub(crate) struct Canopy {
 }
 
 impl Canopy {
-    /// Of leaves of all kinds; `None` if there is no crown, or one without extent.
+    /// The canopy of leaves of all kinds; `None` if there is no crown, or one without extent.
     pub(crate) fn of(all: &[Leaves]) -> Option<Self> {
         let positions = || all.iter().flat_map(|leaves| &leaves.instances).map(|leaf| leaf.position);
         let bounds = Bounds::of(positions());
@@ -72,7 +72,7 @@ impl Canopy {
         let size = (bounds.size() / cell).as_ivec3() + IVec3::ONE;
         let cells = (size.x * size.y * size.z) as usize;
         let mut canopy = Self { low: bounds.min, cell, size, lights: vec![0.0; cells], brightest: 0.0 };
-        // Square metres of leaves a cubic metre.
+        // Square metres of leaves per cubic metre.
         let mut densities = vec![0.0f32; cells];
         for leaves in all {
             let area = leaves.leaf.mesh().area();
@@ -123,7 +123,7 @@ impl Canopy {
         light
     }
 
-    /// Between the middles of cells.
+    /// Light at a point, interpolated between the middles of cells.
     fn light(&self, point: Vec3) -> f32 {
         let at = (point - self.low) / self.cell - 0.5;
         let (first, part) = (at.floor(), at - at.floor());

@@ -16,7 +16,7 @@ const FLUTTER: f32 = 0.25;
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub struct LeafWind {
-    /// Of the place where the leaf is attached.
+    /// Wind of the place where the leaf is attached.
     pub wind: Wind,
     /// Angles by which trunk, limb and twig turn there, radians at the strongest gust.
     pub angles: [f32; 3],

@@ -7,8 +7,8 @@ use std::f32::consts::TAU;
 
 /// A species: the paper's functions G as [`Curve`]s, with their limits.
 ///
-/// `Architecture::default()` is the paper's, [`cottonwood`](Self::cottonwood); seven others stand beside it. A value is checked
-/// where growth starts.
+/// `Architecture::default()` is the paper's, [`cottonwood`](Self::cottonwood); there are seven others. A
+/// value is checked where growth starts.
 ///
 /// ```
 /// use treesynth::growth::{Curve, Architecture};
@@ -163,8 +163,8 @@ impl Architecture {
     }
 
     /// Turn of branches upwards or, if negative, downwards, the more the nearer to their tips: the weight of
-    /// up at the tip beside that of the heading, -4 to 4. The headings of the curves turn them towards the
-    /// parent branch instead, which for twigs is not the light.
+    /// up at the tip relative to that of the heading, -4 to 4. The headings of the curves turn them towards
+    /// the parent branch instead, which for twigs is not the light.
     pub fn with_tropism(mut self, share: f32) -> Self {
         self.tropism = share;
         self
@@ -218,9 +218,9 @@ impl Architecture {
         self
     }
 
-    /// `G_m`: the number of metamers of a shoot, 0 to 1000, rounded and at least 1, over its length beside the longest
-    /// shoot of the trunk. It differs by up to two and a third of it where the longest laterals of successive years would
-    /// stand less than 40° apart.
+    /// `G_m`: the number of metamers of a shoot, 0 to 1000, rounded and at least 1, over its length relative
+    /// to the longest shoot of the trunk. It differs by up to two and a third of it where the longest
+    /// laterals of successive years would stand less than 40° apart.
     pub fn with_metamers(mut self, curve: Curve) -> Self {
         self.metamers = curve;
         self
@@ -232,8 +232,8 @@ impl Architecture {
         self
     }
 
-    /// The angle between a branch and the one that bears it, radians, 0.05 to 2.8, over the length of its first shoot
-    /// beside the longest shoot of the trunk.
+    /// The angle between a branch and its parent branch, radians, 0.05 to 2.8, over the length of its first
+    /// shoot relative to the longest shoot of the trunk.
     pub fn with_branching_angle(mut self, curve: Curve) -> Self {
         self.branching_angle = curve;
         self

@@ -86,7 +86,7 @@ struct Base {
     node: u32,
     position: Vec3,
     heading: Vec3,
-    /// At right angles to the heading, towards the parent branch.
+    /// Direction at right angles to the heading, towards the parent branch.
     inwards: Vec3,
 }
 
@@ -131,7 +131,7 @@ struct Layout<'a> {
     unfolded: Vec<Option<Unfolded>>,
     /// For each branch the pipes through its base; see [`Structure::pipes`](super::structure::Structure::pipes).
     pipes: Vec<f64>,
-    /// Of the branches that stand.
+    /// Bases of the branches that stand.
     bases: Vec<Option<Base>>,
     positions: Vec<Vec3>,
     parents: Vec<Option<u32>>,
@@ -409,7 +409,7 @@ struct Path<'a> {
     number: u64,
     order: u16,
     base: Base,
-    /// At right angles to heading and `inwards`.
+    /// Direction at right angles to heading and `inwards`.
     aside: Vec3,
     length: f32,
     /// `s_θ` of equation 8.
@@ -486,7 +486,7 @@ impl<'a> Path<'a> {
         (turned + strayed + UP * (self.architecture.tropism * place)).normalize_or(turned)
     }
 
-    /// Of one of the whorl that a metamer bears, about the branch, radians.
+    /// Azimuth about the branch of one of the whorl that a metamer bears, radians.
     fn azimuth(&self, bearer: u32, place: u16) -> f32 {
         let around = std::f64::consts::TAU * f64::from(place) / f64::from(self.architecture.whorl);
         let turned = f64::from(self.architecture.divergence) * f64::from(bearer) + self.turn + around;

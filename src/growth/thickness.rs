@@ -16,7 +16,7 @@ const LEAST: f64 = 0.45;
 /// The radius of wood by its pipes: `r = r_1 n^(1/a)`, Shinozaki and others 1964.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Thickness {
-    /// Of a single pipe, metres.
+    /// Radius of a single pipe, metres.
     twig: f32,
     /// 1 / a.
     power: f64,

@@ -5,7 +5,7 @@ use crate::skeleton::{Skeleton, SkeletonError};
 
 use super::GrowthError;
 
-/// Birth times for a skeleton of any origin, so that it can be had at any age.
+/// Birth times for a skeleton of any origin, so that it is available at any age.
 ///
 /// A node's age at the end comes from two things that grow with time. Distance: along the path from the root
 /// through a node to the farthest tip beyond, growth is steady, so that every tip is reached in the end.

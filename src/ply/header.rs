@@ -203,7 +203,7 @@ impl Header {
     }
 }
 
-/// The first line tells how lines end: with CR alone, or with LF, perhaps after a CR.
+/// The first line shows how lines end: with CR alone, or with LF, perhaps after a CR.
 fn first_line(reader: &mut impl BufRead, line: &mut Vec<u8>, end: &mut u8) -> io::Result<usize> {
     let mut read = 0;
     loop {

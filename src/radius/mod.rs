@@ -80,8 +80,8 @@ pub trait RadiusModel: Send + Sync {
     /// the trunk base.
     ///
     /// # Errors
-    /// Options out of range (whatever [`check`](Self::check) finds), and radii that cannot be had for this
-    /// skeleton.
+    /// Options out of range (whatever [`check`](Self::check) finds), and radii that the model cannot give for
+    /// this skeleton.
     fn radii(&self, skeleton: &Skeleton) -> Result<Vec<f32>, RadiusError>;
 
     /// Checks that the options are in range, without a skeleton; called where synthesis starts, so that a
@@ -118,7 +118,7 @@ pub enum RadiusError {
     /// An option out of range.
     #[error(transparent)]
     Parameter(#[from] ParameterError),
-    /// Not one radius a node.
+    /// The number of radii is not that of the nodes.
     #[error("there are {radii} radii for {nodes} nodes")]
     Length {
         /// The number of radii.

@@ -120,7 +120,7 @@ pub(super) fn check_diameter(parameter: &str, diameter: f32) -> Result<(), Param
     ParameterError::unless(holds, parameter, diameter, "finite and above 0 metres")
 }
 
-/// For each node the sum of what the tips above it send down: `d^a` up to a common factor.
+/// For each node the sum of the flows of the tips above it: `d^a` up to a common factor.
 pub(super) fn flows(skeleton: &Skeleton, mut of_tip: impl FnMut(usize) -> f64) -> Vec<f64> {
     let mut flows = vec![0.0; skeleton.len()];
     for tip in skeleton.tips() {

@@ -44,7 +44,8 @@ pub(super) fn rings(
             sets.join(node, parent);
         }
     }
-    // Parts by bin, then by number; the node of each that is nearest to the base tells what it follows.
+    // Parts by bin, then by number; the node of each that is nearest to the base decides which part it
+    // follows.
     let mut parts: Vec<(u32, u32, u32)> = (0..count as u32)
         .filter(|&node| bins[node as usize] != u32::MAX)
         .map(|node| (bins[node as usize], sets.of(node), node))

@@ -74,8 +74,9 @@ pub struct Reconstruction {
     pub skeleton: Skeleton,
     /// The offset that was subtracted from the coordinates in the cloud's file.
     pub offset: DVec3,
-    /// For each node whether a cylinder was found for its points. Its radius is that, unless it is off what limbs around it have; all
-    /// others follow from what their limb bears.
+    /// For each node, `true` if a cylinder was found for its points. Its radius is that of the cylinder,
+    /// unless that differs from those of the limbs around; all other radii follow from the length that their
+    /// limb bears.
     pub is_measured: Vec<bool>,
     /// Points set aside as ground.
     pub ground: usize,
@@ -126,7 +127,8 @@ pub enum ReconstructError {
         /// The position of the next, metres.
         second: Vec3,
     },
-    /// The limb at the base is thin beside others: the cloud stands on its head, or the trunk is not in it.
+    /// The limb at the base is thin compared with others: the cloud stands on its head, or the trunk is not
+    /// in it.
     #[error(
         "the limb at the base, {base}, has a radius of {radius} m, but others have {thickest} m; turn or cut the cloud, or say by Reconstruct::with_base where the trunk is"
     )]
@@ -263,7 +265,7 @@ impl Reconstruct {
         let mut positions = Vec::with_capacity(rings.len());
         for (ring, fit) in rings.iter().zip(&fits) {
             let center = fit.map_or(ring.center, |fit| {
-                // The place on the axis beside the middle of the ring.
+                // The place on the axis that is nearest to the middle of the ring.
                 fit.center + fit.axis * (ring.center - fit.center).dot(fit.axis)
             });
             positions.push(center);
@@ -355,7 +357,7 @@ impl Reconstruct {
     }
 }
 
-/// From the lowest to the highest point of some, leaving out a thousandth at either end.
+/// Height from the lowest to the highest of some points, leaving out a thousandth at either end.
 fn height(points: &[Vec3], which: &[u32]) -> f32 {
     let mut heights: Vec<f32> = which.iter().map(|&point| points[point as usize].y).collect();
     if heights.is_empty() {
@@ -367,7 +369,8 @@ fn height(points: &[Vec3], which: &[u32]) -> f32 {
     high - *heights.select_nth_unstable_by(cut, f32::total_cmp).1
 }
 
-/// The nodes and the base, which is the last: linked to all nodes beside it in the lowest part, or to the nearest.
+/// The nodes and the base, which is the last: linked to all nodes around it in the lowest part, or to the
+/// nearest.
 fn graph(
     nodes: &Nodes,
     edges: &[(u32, u32)],
@@ -415,7 +418,7 @@ fn heirs(rings: &[Ring]) -> Vec<Option<u32>> {
     heir
 }
 
-/// Without laterals that hardly leave their limb: noise, bark, and the rims of forks.
+/// Removes laterals that hardly leave their limb: noise, bark, and the rims of forks.
 fn pruned(rings: Vec<Ring>, step: f32) -> Vec<Ring> {
     let count = rings.len();
     let heir = heirs(&rings);

@@ -10,7 +10,7 @@ use crate::parallel;
 
 /// Neighbours of a node.
 pub(super) const NEAREST: usize = 12;
-/// Places asked for by one task.
+/// Places searched by one task.
 const CHUNK: usize = 1024;
 
 pub(super) type Tree = ImmutableKdTree<f32, u32, 3, 32>;
@@ -31,7 +31,7 @@ pub(super) struct Nodes {
 }
 
 impl Nodes {
-    /// At most about `most` nodes: the cubes' side grows until they are so few. O(n log n).
+    /// Makes at most about `most` nodes: the cubes' side grows until there are no more. O(n log n).
     pub(super) fn new(points: &[Vec3], which: &[u32], side: f32, most: usize) -> Self {
         let (mut low, mut high) = (Vec3::INFINITY, Vec3::NEG_INFINITY);
         for &point in which {

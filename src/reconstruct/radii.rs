@@ -128,7 +128,7 @@ pub(super) fn radii(skeleton: &Skeleton, measured: &[Option<(f32, f32)>], tip: f
             radii[node as usize] = radius.max(tip).min(cap);
         }
     }
-    // Branches' first nodes were capped by what their parents had; all of a tree is so once more.
+    // The first nodes of branches were capped by the radius of their parents; now all nodes are.
     for node in 1..count {
         let parent = skeleton.parent(node).unwrap_or(0);
         radii[node] = radii[node].min(radii[parent]);
@@ -144,7 +144,7 @@ const TIP_LENGTH: f32 = 0.05;
 struct Allometry(Vec<(f32, f32)>);
 
 impl Allometry {
-    /// Doublings of the length a tip bears that are told apart.
+    /// Number of doublings of the length that a tip bears, each with an entry of its own.
     const DOUBLINGS: usize = 24;
 
     /// The medians of what is measured, where most limbs are; thinner ones, of which only those are measured that seem thick,

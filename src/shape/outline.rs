@@ -135,7 +135,7 @@ impl Outline {
         point.is_finite() && self.inner.near(point.y).iter().map(winding).sum::<i32>() != 0
     }
 
-    /// From where to where it goes along the horizontal line at height `y`, ascending.
+    /// Intervals of x in which the horizontal line at height `y` is inside, ascending.
     pub fn spans(&self, y: f32) -> SmallVec<[(f32, f32); 4]> {
         let mut crossings: SmallVec<[(f32, i32); 8]> =
             self.inner.near(y).iter().filter_map(|&side| crossing(side, y)).collect();

@@ -148,7 +148,7 @@ impl Sketch {
         square <= reach * reach
     }
 
-    /// With its bounds as they are now.
+    /// Updates the bounds.
     fn bounded(mut self) -> Self {
         let most = self.most();
         let (low, high) = (self.front.min(), self.front.max());

@@ -67,7 +67,7 @@ pub(super) fn orders(skeleton: &Skeleton) -> Vec<u16> {
 
 /// For each node the child of its own order; itself where there is none.
 ///
-/// Beyond 65,535 orders, which cannot be told apart, the last such child is as good as any.
+/// Beyond 65,535 orders, which cannot be distinguished, the last such child is as good as any.
 fn axis_children(skeleton: &Skeleton) -> Vec<u32> {
     let mut axis: Vec<u32> = (0..skeleton.len() as u32).collect();
     for (node, parent) in skeleton.edges() {

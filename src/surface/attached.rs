@@ -22,7 +22,7 @@ struct Tube {
     indices: Range<usize>,
     /// The number of the tube that bears it.
     parent: Option<usize>,
-    /// Of its first internode, metres.
+    /// Radius of its first internode, metres.
     radius: f64,
     place: Vec3,
 }
@@ -31,7 +31,7 @@ struct Tube {
 #[derive(Debug, Clone, Copy)]
 #[allow(dead_code, reason = "what is not read is printed")]
 struct Gap {
-    /// Between its first ring and the parent branch, or what bears that, metres.
+    /// Gap between its first ring and the parent branch, or the branch that bears that one, metres.
     width: f64,
     radius: f64,
     place: Vec3,
@@ -145,7 +145,7 @@ fn nearest(point: DVec3, [a, b, c]: [DVec3; 3]) -> DVec3 {
     a + ab * (vb / total) + ac * (vc / total)
 }
 
-/// The tubes of a plan, and their mesh. Their bases are closed, so that inside and outside can be told.
+/// The tubes of a plan, and their mesh. Their bases are closed, so that inside and outside are defined.
 fn tubes(plan: &Plan, options: &Tubes) -> (Vec<Tube>, Mesh) {
     let mut tubes: Vec<Tube> = Vec::new();
     let (mut vertices, mut indices) = (0, 0);

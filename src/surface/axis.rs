@@ -29,7 +29,7 @@ const FLARE_PART: f32 = 0.5;
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Station {
     pub(super) position: Vec3,
-    /// Zero where it is too small to be told from zero.
+    /// Radius; zero where it is too small for 32-bit floats to tell it from zero.
     pub(super) radius: f32,
     /// The unit direction of the axis.
     pub(super) tangent: Vec3,
@@ -186,7 +186,7 @@ struct Knot {
 struct Sampler<'a> {
     options: &'a Tubes,
     dropped: &'a Dropped,
-    /// Of the present branch.
+    /// Knots of the current branch.
     knots: Vec<Knot>,
     /// The station of each knot of the latest sample.
     marks: Vec<u32>,

@@ -175,7 +175,8 @@ fn give_area(mesh: &mut Mesh) {
     }
 }
 
-/// The places a step along each axis: the next that floats have, but no step that is lost beside the longest.
+/// The places one step away along each axis: the next float, but at least a 64th of the step of the largest
+/// coordinate.
 fn neighbours(place: Vec3) -> [Vec3; 6] {
     let least = step(place) / 64.0;
     std::array::from_fn(|i| {

@@ -10,7 +10,7 @@ use std::{iter, mem};
 
 /// Factor on the error from one try to the next, until a level is small enough.
 const STEP: f32 = 1.25;
-/// Tries until triangles are halved, mostly.
+/// Usual number of tries until triangles are halved.
 const USUAL: usize = 4;
 
 /// A chain of meshes of one skeleton, each of at most half the triangles of the one before.
@@ -94,7 +94,7 @@ impl Levels {
         self.levels(skeleton, None)
     }
 
-    /// As [`of`](Self::of), telling `observer` how far it is and stopping when told to.
+    /// As [`of`](Self::of), reporting progress to `observer`, which can cancel the work.
     ///
     /// # Errors
     /// As [`of`](Self::of), and [`SurfaceError::Cancelled`].
@@ -135,7 +135,7 @@ impl Levels {
             let is_last = levels.len() + 1 == self.count as usize;
             let weave = || plan.weave_watched(&tubes(error), watch);
             let look_ahead = || if is_last { Ok(None) } else { after(plan.triangles) };
-            // One after the other for an observer, who is told from one thread.
+            // One after the other for an observer, which gets reports from one thread.
             let (mesh, ahead) =
                 if is_watched { (weave(), look_ahead()) } else { parallel::join(weave, look_ahead) };
             let mesh = far::back_open(mesh?, offset)?;
@@ -182,7 +182,7 @@ impl Tubes {
     ) -> Result<(Level, Vec<bool>), SurfaceError> {
         /// Factor on the error from one step to the next.
         const STEP: f32 = 1.125;
-        /// Of the thickest radius: the least error tried.
+        /// The least error tried, as a share of the thickest radius.
         const LEAST: f32 = 1e-3;
         /// Branches go sooner than the others lose their shape by this factor.
         const UNSEEN: f32 = 2.0;
@@ -223,7 +223,7 @@ impl Tubes {
 /// The least step after `step` at which there are at most `most` triangles, and its plan; `None` if there is
 /// none.
 ///
-/// Triangles get fewer with every step, so that it is looked for from where it mostly is.
+/// Triangles get fewer with every step; the search starts at the usual one.
 fn half(
     step: usize,
     errors: &[f32],

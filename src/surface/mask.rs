@@ -44,7 +44,7 @@ pub struct Mask {
     seed: u64,
 }
 
-/// Of a cover's thickness there is all where the mask is so far above a half.
+/// Excess of the mask over a half at which a cover has its full thickness.
 const FULL: f32 = 0.35;
 /// Greatest number of times that a side is halved.
 const ROUNDS: usize = 5;

@@ -7,7 +7,7 @@ use crate::Skeleton;
 use crate::math::{self, UP, sin_cos};
 use glam::{Quat, Vec3, Vec4};
 
-/// The most bones of the trunk, besides the one that stands still.
+/// Greatest number of bones of the trunk, without the one that stands still.
 const TRUNK: usize = 4;
 /// The part of a branch that bends, and where in it its joint is.
 const BENDS: f32 = 0.5;
@@ -37,7 +37,7 @@ pub(crate) struct Joint {
 pub(crate) struct Rig {
     /// Parents first; the first does not move.
     pub(crate) joints: Vec<Joint>,
-    /// Of each node.
+    /// Weights of each node.
     weights: Vec<Weights>,
     ends: Vec<Vec3>,
     parents: Vec<u32>,

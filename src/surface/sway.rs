@@ -42,7 +42,7 @@ const CHUNK: usize = 4096;
 /// ```
 #[derive(Debug, Clone, PartialEq)]
 pub struct Sway {
-    /// Of each node.
+    /// Bend of each node.
     bends: Vec<Bend>,
     parents: Vec<u32>,
     /// The branch of each node.
@@ -72,7 +72,7 @@ impl Bend {
         std::array::from_fn(|level| self.moments[level] + way * self.angles[level])
     }
 
-    /// The same, told for another point that moves with it.
+    /// The same bend, expressed for another point that moves with it.
     pub(crate) fn moved_to(&self, point: Vec3) -> Self {
         Self { at: point, angles: self.angles, moments: self.moments_of(point) }
     }
@@ -196,7 +196,7 @@ impl Sway {
         from.lerp(to, part(point, from.at, to.at))
     }
 
-    /// At a fractional number of a node of a branch.
+    /// The bend at a fractional number of a node of a branch.
     pub(super) fn bend_at(&self, branch: usize, at: f32) -> Bend {
         let nodes = &self.nodes[self.starts[branch] as usize..self.starts[branch + 1] as usize];
         let number = (at as usize).min(nodes.len() - 1);

@@ -233,7 +233,7 @@ impl Tubes {
         self.mesh_observed(skeleton, &Silent)
     }
 
-    /// As [`mesh`](Self::mesh), telling `observer` how far it is and stopping when told to.
+    /// As [`mesh`](Self::mesh), reporting progress to `observer`, which can cancel the work.
     ///
     /// # Errors
     /// As [`mesh`](Self::mesh), and [`SurfaceError::Cancelled`].
@@ -346,7 +346,7 @@ impl Tubes {
 
 /// Branches that are not seen at some error.
 pub(super) struct Dropped {
-    /// For each branch; none if all are seen.
+    /// For each branch, `true` if it is dropped; empty if all are seen.
     branches: Vec<bool>,
     widening: f32,
     widest: f32,

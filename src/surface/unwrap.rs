@@ -173,7 +173,7 @@ impl Copies {
 struct Spot {
     /// Around it, radians, -π to π.
     angle: f32,
-    /// Along it, in radians of its own circumference.
+    /// Place along it, in radians of its own circumference.
     along: f32,
     /// Off the axis, in radii.
     off: f32,
@@ -182,7 +182,7 @@ struct Spot {
     tangent: Vec3,
 }
 
-/// The branches of a skeleton as places can be told on them.
+/// The branches of a skeleton, in a form in which points can be placed on them.
 #[derive(Debug)]
 struct Course {
     nodes: Vec<Knot>,

@@ -7,10 +7,10 @@ use std::f32::consts::TAU;
 
 /// Motion of a vertex in the wind, as a shader needs it.
 ///
-/// The tree moves on three levels: the trunk sways, each limb (order 1) sways on the trunk, and each twig (order 2, with
-/// all that it bears) sways on its limb. A vertex moves with the trunk, with its limb and with its twig; leaves flutter
-/// besides. With the gust **g** (a direction, as long as the wind is strong, at most 1) and the time t in seconds, level
-/// i = 0, 1, 2 of a vertex is pushed by
+/// The tree moves on three levels: the trunk sways, each limb (order 1) sways on the trunk, and each twig
+/// (order 2, with all that it bears) sways on its limb. A vertex moves with the trunk, with its limb and with
+/// its twig; leaves also flutter. With the gust **g** (a direction, as long as the wind is strong, at most 1)
+/// and the time t in seconds, level i = 0, 1, 2 of a vertex is pushed by
 ///
 /// ```text
 /// a = 2π·t·[2, 5, 10][i] / 8 s + dot(axis, (11, 17, 13))        the axis of level 0, the trunk, is up
@@ -56,8 +56,8 @@ use std::f32::consts::TAU;
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
 pub struct Wind {
-    /// Of the trunk, the limb and the twig that bear the vertex: the integral of the bending times the distance, along the way to the
-    /// vertex; metres times radians. Zero for levels that do not bear it.
+    /// Moments of the trunk, the limb and the twig that bear the vertex: the integral of the bending times
+    /// the distance, along the way to the vertex; metres times radians. Zero for levels that do not bear it.
     pub moments: [Vec3; 3],
     /// The unit directions of the limb and of the twig, from base to tip; the same on all that they bear, and zero where there
     /// is none.

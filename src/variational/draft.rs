@@ -240,9 +240,9 @@ impl Draft {
         orders
     }
 
-    /// Takes out the internodes that have shrunk to less than a tenth of the length asked for; what sprang from them
-    /// springs from where they did, unless that is the stem or bears more than `most` already. Nodes of the stem that bear
-    /// nothing go as well.
+    /// Takes out the internodes that have shrunk to less than a tenth of the length asked for; all that
+    /// sprang from them then springs from their parent node, unless that is on the stem or would bear more
+    /// than `most`. Nodes of the stem that bear nothing go as well.
     pub(super) fn contract(&mut self, most: usize) {
         let mut bears = vec![0_usize; self.len()];
         self.owners.iter().for_each(|&owner| bears[owner as usize] += 1);

@@ -154,11 +154,11 @@ pub(super) struct Soft {
 }
 
 impl Soft {
-    /// Not at all.
+    /// No rounding.
     pub(super) const NONE: Self = Self { length: 0.0, deviation: 0.0, turn: 0.0 };
 }
 
-/// The share of its weight that a turn counts beside such an angle to the axis; see [`Soft::turn`].
+/// Factor on the weight of a turn at this angle to the axis; see [`Soft::turn`].
 fn fade(angle: &Measured<3>, soft: f64) -> Measured<3> {
     let (sin, cos) = (libm::sin(angle.value), libm::cos(angle.value));
     let (square, floor) = (sin * sin, soft * soft);

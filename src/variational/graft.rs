@@ -18,7 +18,7 @@ const NEIGHBORS: [usize; 2] = [10, 64];
 const LARGE: f64 = 0.01;
 /// A move must save this part of `F_I`; the moves end when none does.
 const LEAST_SAVING: f64 = 1e-5;
-/// And this part if it takes a lateral from the stem, so that the stem has its N nodes for the most part.
+/// The same for a move that takes a lateral from the stem, so that the stem keeps most of its N nodes.
 const LEAST_OF_STEM: f64 = 5e-4;
 /// Sweeps over all nodes, at most.
 const SWEEPS: usize = 6;

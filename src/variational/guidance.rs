@@ -36,7 +36,7 @@ const CANDIDATES: usize = 5;
 impl GuidanceShape {
     /// Shape nodes of your own: `positions` (metres), each `diameter` metres across.
     ///
-    /// Nothing is checked here; [`check`](Self::check) does, where synthesis starts.
+    /// Checks nothing; [`check`](Self::check) does, where synthesis starts.
     pub fn from_points(positions: impl Into<Vec<Vec3>>, diameter: f32) -> Self {
         let positions = positions.into();
         let diameters = vec![diameter; positions.len()];

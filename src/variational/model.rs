@@ -14,7 +14,7 @@ pub(super) struct Weights {
     pub(super) power: f64,
     pub(super) lambda: f64,
     pub(super) mu: f64,
-    /// Of wood outside of the shape, over that inside.
+    /// Price of wood outside of the shape, over that inside.
     pub(super) outside: f64,
     /// Distance from every shape node beyond which a point is outside, metres.
     pub(super) margin: f64,
@@ -64,7 +64,8 @@ pub(super) struct Model<'a> {
     carried: Lists,
     /// d^β of each branch node's internode.
     pub(super) thick: Vec<f64>,
-    /// Of each branch node, then of the middle of each internode, the nearest shape node; empty if the outside costs nothing.
+    /// The nearest shape node of each branch node, then of the middle of each internode; empty if the outside
+    /// costs nothing.
     anchors: Vec<DVec3>,
 }
 

@@ -254,7 +254,8 @@ fn outline(points: &[(f32, f32)]) -> Outline {
     Outline::smooth(points.iter().map(|&point| Vec2::from(point)).collect::<Vec<_>>())
 }
 
-/// On a trunk of its own, under a leg of the letter where it has one: from the middle, thick wood would cross its gaps.
+/// A letter on a trunk of its own, under a leg of the letter if it has one: from the middle, thick wood would
+/// cross its gaps.
 fn solid_letter(count: usize, of: char) -> Result<VariationalSynth, ParameterError> {
     let solid = Extrusion::new(letter(of, 1.6), 1.2);
     let under = match of {

@@ -18,7 +18,7 @@ impl VariationalSynth {
     /// The tree of `seed`.
     ///
     /// # Errors
-    /// Options out of range, and radii that cannot be had.
+    /// Options out of range, and radii that the model cannot give.
     pub fn synthesize(&self, seed: u64) -> Result<Skeleton, VariationalError> {
         Ok(self.grow(seed, &Silent)?.skeleton)
     }

@@ -31,9 +31,9 @@ pub(super) enum Array<'a> {
     /// Four bones per vertex, and their weights.
     Bones(&'a [[u16; 4]]),
     Weights(&'a [Vec4]),
-    /// Of bones, column by column.
+    /// Matrices of bones, column by column.
     Matrices(&'a [[f32; 16]]),
-    /// Of an animation: its keys, and the rotations there.
+    /// Keys of an animation, and the rotations there.
     Times(&'a [f32]),
     Turns(&'a [Vec4]),
     /// A file within the file.
@@ -49,7 +49,7 @@ pub(super) struct Vertices<'a> {
     pub(super) copies: Option<&'a [Instance]>,
     /// Positions are whole numbers on it.
     pub(super) grid: Option<Grid>,
-    /// In 8 or 16 bits, as the attribute needs.
+    /// Numbers in 8 or 16 bits, as the attribute needs.
     pub(super) rounded: bool,
 }
 
@@ -65,7 +65,7 @@ pub(super) enum Attribute {
 }
 
 impl Attribute {
-    /// Those of a mesh, in the order in which they are written.
+    /// The attributes of a mesh, in the order in which they are written.
     pub(super) fn all(mesh: &Mesh, encoding: WindEncoding) -> impl Iterator<Item = Self> {
         let own = [Self::Position, Self::Normal, Self::Tangent, Self::Uv, Self::Color];
         let wind = wind::columns(mesh, encoding).into_iter();
@@ -103,7 +103,7 @@ pub(super) struct Grid {
 }
 
 impl Grid {
-    /// Over a box; none if its sides are beyond all measure.
+    /// The grid over a box; none if its sides are not finite.
     pub(super) fn over(low: Vec3, high: Vec3) -> Option<Self> {
         // A point has a step, too, by which can be divided.
         let step = ((high - low).max_element() / 65_535.0).max(1e-30);

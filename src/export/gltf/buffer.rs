@@ -142,7 +142,7 @@ impl<'a> Buffer<'a> {
         &self.arrays
     }
 
-    /// With zeros between the arrays, so that each begins at a whole word.
+    /// Size with the zeros between the arrays, so that each begins at a whole word.
     pub(super) fn bytes(&self) -> u64 {
         self.arrays.iter().map(|array| array.bytes().next_multiple_of(4)).sum()
     }

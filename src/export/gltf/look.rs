@@ -32,7 +32,7 @@ struct Look<'a> {
     normal: Option<usize>,
     surface: Option<usize>,
     transmission: Option<usize>,
-    /// Below which alpha nothing is drawn.
+    /// Alpha below which nothing is drawn.
     cutoff: Option<f32>,
 }
 

@@ -31,7 +31,7 @@ pub enum Instancing {
 
 /// Form of the levels of [`write_glb_levels`](super::write_glb_levels) in a glTF file.
 ///
-/// For a file each, write each level by [`write_glb_parts`](super::write_glb_parts).
+/// To get one file per level, write each level by [`write_glb_parts`](super::write_glb_parts).
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 #[cfg_attr(
     feature = "serde",
@@ -49,7 +49,7 @@ pub enum LevelNodes {
     Named,
 }
 
-/// Contents of a glTF file besides the triangles.
+/// Contents of a glTF file in addition to the triangles.
 ///
 /// glTF fixes the axes and the unit (+Y up, metres), so there is no choice of these; other formats have
 /// [`Axes`](crate::export::Axes).
@@ -136,8 +136,9 @@ impl GlbOptions {
         self
     }
 
-    /// For each level of [`write_glb_levels`](super::write_glb_levels) the part of the screen's height down to which it is
-    /// shown, 0 to 1, falling: `MSFT_screencoverage`. Default none: the program decides. Scenes have no levels: they ignore this.
+    /// Part of the screen's height down to which each level of [`write_glb_levels`](super::write_glb_levels)
+    /// is shown, 0 to 1, falling: `MSFT_screencoverage`. Default none: the program decides. Scenes have no
+    /// levels: they ignore this.
     pub fn with_coverages(mut self, coverages: impl Into<Vec<f32>>) -> Self {
         self.coverages = coverages.into();
         self

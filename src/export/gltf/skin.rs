@@ -81,7 +81,7 @@ pub(super) struct Skins<'a> {
     meshes: Vec<Skinned<'a>>,
     pub(super) inverses: Vec<[f32; 16]>,
     pub(super) times: Vec<f32>,
-    /// For each bone but the first, which stands still.
+    /// Rotations of each bone but the first, which stands still.
     pub(super) turns: Vec<Vec<Vec4>>,
 }
 
@@ -117,7 +117,7 @@ impl<'a> Skins<'a> {
         Ok(Self { rig, meshes, inverses, times, turns })
     }
 
-    /// The attributes of a mesh besides its own; none if it stands still.
+    /// The attributes of a mesh in addition to its own; none if it stands still.
     pub(super) fn attributes(&self, mesh: &Mesh) -> Option<[(&'static str, Array<'_>); 2]> {
         let (_, bones, weights) = self.meshes.iter().find(|other| std::ptr::eq(other.0, mesh))?;
         Some([("JOINTS_0", Array::Bones(bones)), ("WEIGHTS_0", Array::Weights(weights))])

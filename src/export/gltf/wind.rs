@@ -21,7 +21,7 @@ pub enum WindEncoding {
     /// this order: trunk x and y; trunk z and flutter; limb x and y; limb z and twig z; twig x and y; limb
     /// axis; twig axis. An axis is two numbers by the octahedral map (Cigolle et al. 2014), -1 to 1.
     TexCoords,
-    /// Not at all.
+    /// No wind in the file.
     None,
 }
 

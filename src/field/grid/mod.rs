@@ -54,7 +54,7 @@ pub enum GridFieldError {
     /// Origin, spacing or dimensions out of range.
     #[error(transparent)]
     Parameter(#[from] ParameterError),
-    /// Not as many samples as the dimensions say.
+    /// The number of samples is not that of the dimensions.
     #[error("the grid has {expected} samples, but {count} are given")]
     Count {
         /// The product of the dimensions.

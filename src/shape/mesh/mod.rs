@@ -60,7 +60,7 @@ pub struct TriangleMesh {
 #[derive(Debug, PartialEq)]
 struct Solid {
     winding: Winding,
-    /// For a closed surface.
+    /// Cells of a closed surface.
     cells: Option<Cells>,
     bounds: Bounds,
     volume: f32,
@@ -156,7 +156,7 @@ pub enum TriangleMeshError {
         /// Sides of triangles with no other triangle at them.
         open_sides: usize,
     },
-    /// Inside and outside cannot be told apart.
+    /// Inside and outside cannot be distinguished.
     #[error(
         "the surface has {open_sides} open sides, and its winding number leaves {doubt:.1} times the volume that it encloses in doubt; at most 1 is allowed"
     )]

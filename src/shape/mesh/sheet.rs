@@ -6,7 +6,7 @@ use super::prepare::{Patches, open_sides, sides};
 use super::winding::Winding;
 use super::{Bounds, Flaws};
 
-/// Of triangles with the same corners leaves one, or none where they are a wall.
+/// Keeps one of the triangles with the same corners, or none if they are a wall.
 ///
 /// An odd number of them count as one. An even number are either one sheet with two sides, as programs for
 /// foliage write it, or the wall between two solids that share a face, or a face that was written twice. They

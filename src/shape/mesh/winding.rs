@@ -19,7 +19,7 @@ const FAR: f32 = 3.0;
 /// Triangles in a hierarchy of balls.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Winding {
-    /// In the order of the leaves.
+    /// Triangles in the order of the leaves.
     triangles: Vec<[Vec3; 3]>,
     /// A node, its first half, its second half; the root first.
     nodes: Vec<Node>,
@@ -92,7 +92,7 @@ impl Winding {
 #[derive(Clone, Copy)]
 struct Sums {
     pole: Vec3,
-    /// Of centroids, by area.
+    /// Mean of the centroids, weighted by area.
     middle: Vec3,
     area: f32,
 }
@@ -159,7 +159,7 @@ fn centroid(triangle: &[Vec3; 3]) -> Vec3 {
     (triangle[0] + triangle[1] + triangle[2]) / 3.0
 }
 
-/// Along the normal, as long as the triangle is large.
+/// Vector along the normal whose length is the triangle's area.
 pub(super) fn area_vector(triangle: &[Vec3; 3]) -> Vec3 {
     let [a, b, c] = triangle;
     (b - a).cross(c - a) * 0.5

@@ -76,7 +76,7 @@ pub struct BlobTreeBuilder {
 }
 
 impl Default for BlobTreeBuilder {
-    /// Without nodes.
+    /// A builder without nodes.
     fn default() -> Self {
         let id = BUILDERS.fetch_add(1, Ordering::Relaxed);
         let (leaves, entries, parts) = (Vec::new(), Vec::new(), Vec::new());

@@ -45,7 +45,7 @@ pub enum BlobError {
         /// The map.
         map: Box<Affine3A>,
     },
-    /// Nothing there: the field is nowhere 1/2.
+    /// The tree is empty: the field is nowhere 1/2.
     #[error("the BlobTree is empty: its field is at most {most}, but a surface is where it is 0.5")]
     Empty {
         /// The greatest value it may have.

@@ -36,12 +36,12 @@ pub enum FieldFunction {
     /// Continuous; at r = 0 its slope jumps from 0 to -6, which the paper's own condition (∇F = 0 where F = 1)
     /// forbids.
     Steep {
-        /// Up to where the field is 1, as a share of the radius.
+        /// Distance up to which the field is 1, as a share of the radius.
         inner: f32,
     },
     /// (1 - r²)³ with r as in `Steep`, without a slope at both ends: what the paper's conditions ask for.
     Bounding {
-        /// Up to where the field is 1, as a share of the radius.
+        /// Distance up to which the field is 1, as a share of the radius.
         inner: f32,
     },
 }
@@ -112,7 +112,7 @@ impl FieldFunction {
         }
     }
 
-    /// At least the steepest fall, in value a radius, between `near` and `far` radii.
+    /// Upper bound of the fall, in value per radius, between `near` and `far` radii.
     pub(super) fn steepest(self, near: f32, far: f32) -> f32 {
         // Slopes grow to one place and fall beyond it.
         let place = match self {

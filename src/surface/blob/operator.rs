@@ -59,12 +59,12 @@ impl Contact {
         (u * rest * rest * lift, -slope)
     }
 
-    /// At least the greatest slope of the change.
+    /// Upper bound of the slope of the change.
     fn steepest(self) -> f32 {
         1.0 + 0.2 * self.bulge
     }
 
-    /// At least the greatest change.
+    /// Upper bound of the change.
     fn highest(self) -> f32 {
         self.reach * (0.15 + 0.06 * self.bulge)
     }

@@ -121,9 +121,9 @@ impl Solid for BlobTree {
 struct Fate {
     /// The first of the steps that make its part.
     start: u32,
-    /// Of a limb, that of its own value.
+    /// Range of its value; for a limb, that of its own value.
     range: Range,
-    /// Of all that stands on a limb; of what is none, nothing.
+    /// Range of all that stands on a limb; for other parts, nothing.
     rest: Range,
     /// The number of values that its replacement has.
     values: u8,
@@ -139,7 +139,7 @@ impl Fate {
         Self { detail: f32::INFINITY, ..Self::of(start, Range::NOTHING, Some(Kind::Nothing)) }
     }
 
-    /// Of what is no limb.
+    /// The fate of a part that is no limb.
     fn of(start: u32, range: Range, step: Option<Kind>) -> Self {
         let (rest, values, detail) = (Range::NOTHING, 1, 0.0);
         Self { start, range, rest, values, detail, step, needed: false }

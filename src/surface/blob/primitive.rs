@@ -79,7 +79,7 @@ impl Primitive {
         self
     }
 
-    /// From end to end, metres.
+    /// Length from end to end, metres.
     pub(super) fn length(&self) -> f32 {
         self.ends[0].distance(self.ends[1])
     }
@@ -300,7 +300,7 @@ impl Leaf {
     }
 }
 
-/// From 0 to 1; 0 of what is not a number.
+/// Clamps to 0 to 1; NaN becomes 0.
 #[inline]
 fn clamped(t: f32) -> f32 {
     if t > 0.0 { t.min(1.0) } else { 0.0 }

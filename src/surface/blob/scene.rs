@@ -44,7 +44,7 @@ pub(super) enum Kind {
 pub(super) struct Warp {
     forth: Affine3A,
     back: Affine3A,
-    /// At least the greatest stretch of the inverse.
+    /// Upper bound of the stretch of the inverse.
     stretch: f32,
 }
 
@@ -72,7 +72,8 @@ impl Warp {
     }
 }
 
-/// At least the greatest stretch: the root of the greatest row sum of `AᵀA`, which is at least its greatest eigenvalue.
+/// Upper bound of the stretch: the root of the greatest row sum of `AᵀA`, which is at least its greatest
+/// eigenvalue.
 fn norm(matrix: Mat3A) -> f32 {
     let square = matrix.transpose() * matrix;
     let row = |v: glam::Vec3A| v.abs().element_sum();
@@ -88,7 +89,7 @@ pub(super) struct Scene {
     /// The first of the steps that make a part.
     pub(super) starts: Vec<u32>,
     pub(super) leaves: Vec<Leaf>,
-    /// Those of nodes, then both of each style.
+    /// The operators of nodes, then both of each style.
     pub(super) operators: Vec<Operator>,
     first_of_styles: u32,
     pub(super) styles: Vec<Bounded>,
@@ -105,7 +106,7 @@ struct Frame {
 }
 
 impl Scene {
-    /// Of what `root` is made of, all moved so that `origin` is its origin.
+    /// The scene of all parts of `root`, moved so that `origin` is its origin.
     pub(super) fn new(
         drafts: &BlobTreeBuilder,
         root: u32,

@@ -144,7 +144,7 @@ impl Skin {
         self
     }
 
-    /// After how many years the scar of a lateral has become a ridge, above 0, to 100,000; default 10.
+    /// Years after which the scar of a lateral has become a ridge, above 0, to 100,000; default 10.
     pub fn with_ridge_years(mut self, years: f32) -> Self {
         self.ridge_years = years;
         self
@@ -190,7 +190,7 @@ impl Skin {
         self.blob_tree_observed(skeleton, &Silent)
     }
 
-    /// As [`blob_tree`](Self::blob_tree), telling `observer` how far it is and stopping when told to.
+    /// As [`blob_tree`](Self::blob_tree), reporting progress to `observer`, which can cancel the work.
     ///
     /// # Errors
     /// As [`blob_tree`](Self::blob_tree), and [`BlobError::Cancelled`].
@@ -490,7 +490,7 @@ impl Spring {
     }
 }
 
-/// From 0 to 1 as t does, level at both ends.
+/// Smooth step: goes from 0 to 1 as t does, with slope 0 at both ends.
 pub(super) fn smooth(t: f32) -> f32 {
     let t = t.clamp(0.0, 1.0);
     t * t * (3.0 - 2.0 * t)

@@ -17,7 +17,7 @@ pub(super) const STEPS: [IVec3; 6] = [IVec3::X, IVec3::Y, IVec3::Z, IVec3::NEG_X
 /// Four voxels in each direction, near the surface.
 #[derive(Debug, Clone)]
 pub(super) struct Brick {
-    /// In finest voxels from the octree's corner.
+    /// Position of its corner, in finest voxels from the octree's corner.
     pub(super) corner: IVec3,
     /// Its voxels are 2 to the power of this finest voxels long.
     pub(super) level: u8,

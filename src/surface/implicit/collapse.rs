@@ -20,7 +20,8 @@ const FACING: f32 = 0.5;
 #[derive(Debug)]
 pub(super) struct Patch {
     vertices: Vec<Vertex>,
-    /// From `vertices.len()` on vertices are elsewhere; triangles that are gone have one vertex thrice.
+    /// The triangles. Vertices from `vertices.len()` on are elsewhere; triangles that are gone have one
+    /// vertex thrice.
     triangles: Vec<[u32; 3]>,
     /// The corner at the same vertex before each: `4 * triangle + i`.
     before: Vec<u32>,

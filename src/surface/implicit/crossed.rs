@@ -68,7 +68,7 @@ impl Crossed {
         self.first
     }
 
-    /// From now on its vertices are those from this one on.
+    /// Sets the number of the block's first vertex.
     pub(super) fn start_at(&mut self, first: u32) {
         self.first = first;
     }

@@ -55,7 +55,7 @@ impl Segment {
 /// distance from its axis exceeds its radius by the blend width, which is a share of that radius.
 #[derive(Debug, Clone)]
 pub(crate) struct Field {
-    /// Those of a branch one after another.
+    /// The segments, those of a branch one after another.
     pub(super) segments: Vec<Segment>,
     /// The blend width as a share of the radius.
     blend: f32,
@@ -71,7 +71,7 @@ pub(crate) struct Field {
 #[derive(Debug, Clone)]
 pub(crate) struct Felt<'a> {
     field: &'a Field,
-    /// In rising order.
+    /// Numbers of the segments, in rising order.
     near: SmallVec<[u32; 4]>,
     detail: f32,
     lipschitz: f32,

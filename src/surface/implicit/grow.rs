@@ -74,8 +74,8 @@ enum Look<P> {
 }
 
 impl<P: Part> Bricks<P> {
-    /// Splits cubes until they are empty or fine enough; returns those that were split, or nothing if that makes more than
-    /// `most` blocks, all told.
+    /// Splits cubes until they are empty or fine enough; returns those that were split, or nothing if that
+    /// makes more than `most` blocks in all.
     pub(super) fn grow(
         &mut self,
         solid: &impl Solid<Part = P>,

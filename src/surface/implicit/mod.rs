@@ -148,7 +148,7 @@ impl Implicit {
         self.mesh_observed(skeleton, &Silent)
     }
 
-    /// As [`mesh`](Self::mesh), telling `observer` how far it is and stopping when told to.
+    /// As [`mesh`](Self::mesh), reporting progress to `observer`, which can cancel the work.
     ///
     /// # Errors
     /// As [`mesh`](Self::mesh), and [`SurfaceError::Cancelled`].

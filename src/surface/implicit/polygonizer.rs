@@ -6,7 +6,7 @@ use crate::observer::{Observer, Silent, Work, report};
 use crate::surface::blob::BlobTree;
 use crate::surface::{Mesh, SurfaceError, far};
 
-/// Voxels a radius where none of one side are asked for.
+/// Default voxels per radius, unless all have one side.
 const DETAIL: f32 = 8.0;
 
 /// One closed mesh of a [`BlobTree`], with its colours.
@@ -93,7 +93,7 @@ impl Polygonizer {
         self.mesh_observed(tree, &Silent)
     }
 
-    /// As [`mesh`](Self::mesh), telling `observer` how far it is and stopping when told to.
+    /// As [`mesh`](Self::mesh), reporting progress to `observer`, which can cancel the work.
     ///
     /// # Errors
     /// As [`mesh`](Self::mesh), and [`SurfaceError::Cancelled`].

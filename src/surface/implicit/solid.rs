@@ -50,7 +50,8 @@ pub(crate) trait Part: Send + Sync {
         })
     }
 
-    /// Between which places of a passage within the cube its values may be 0 or above; `None` if nowhere.
+    /// The places of a passage within the cube between which its values may be 0 or above; `None` if there
+    /// are none.
     #[cfg_attr(not(feature = "preview"), allow(dead_code, reason = "only rays ask"))]
     fn span(&self, passage: &Passage) -> Option<Span> {
         Some((0.0, passage.length))

@@ -55,7 +55,7 @@ impl Passage {
     }
 }
 
-/// From the first to the last of what some spans have.
+/// The span from the first to the last place of some spans.
 pub(crate) fn hull(spans: impl Iterator<Item = Option<Span>>) -> Option<Span> {
     spans.flatten().reduce(|all, next| (all.0.min(next.0), all.1.max(next.1)))
 }

@@ -164,8 +164,8 @@ proptest! {
         }
     }
 
-    /// In a crotch of less than a right angle the faces of parent branch and branch look at each other, and
-    /// what blends one into the other agrees with neither.
+    /// In a crotch of less than a right angle the faces of parent branch and branch face each other, and the
+    /// fillet between them agrees with neither.
     #[test]
     fn normals_agree_with_triangles(radius in 0.01f32..0.09, angle in 1.1f32..2.0) {
         let mesh = mesh_with(&Tubes::default(), &fork(radius, angle));

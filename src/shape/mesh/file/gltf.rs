@@ -27,7 +27,7 @@ const TRIANGLES: u64 = 4;
 const STRIP: u64 = 5;
 const FAN: u64 = 6;
 
-/// `folder` is where buffers beside the file are; without it they are refused.
+/// `folder` is the folder of the file's external buffers; without it they are refused.
 pub(super) fn read(
     mut reader: impl BufRead,
     folder: Option<&Path>,

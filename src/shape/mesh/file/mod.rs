@@ -166,8 +166,8 @@ impl Import {
 impl TriangleMesh {
     /// All objects of a Wavefront OBJ file as one solid, as [`Import`] reads it by default.
     ///
-    /// Of its statements `v` and `f` count; a weight or a colour behind a position does not. Faces may name vertices that
-    /// come later.
+    /// Only its statements `v` and `f` are read; a weight or a colour after a position is ignored. Faces may
+    /// name vertices that come later.
     ///
     /// # Errors
     /// As [`Import::read`].
