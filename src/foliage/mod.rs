@@ -70,8 +70,9 @@ pub enum FoliageError {
     },
     /// A leaf is so far from the origin that 32-bit floats cannot tell its corners apart.
     #[error(
-        "at {position} m 32-bit floats have steps of {step} m, which no leaf of {length} m keeps its shape on; take an offset off \
-         the positions, such as the trunk base, place leaves there, and move them where numbers have more digits"
+        "at {position} m 32-bit floats have steps of {step} m, too coarse for the shape of a leaf of {length} m; \
+         subtract an offset, such as the trunk base, from the positions, place leaves there, and move them back in \
+         64-bit numbers"
     )]
     Shapeless {
         /// Position of the leaf, metres.

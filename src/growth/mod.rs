@@ -47,7 +47,7 @@ pub enum GrowthError {
     #[error(
         "year {year} would bring the tree to {nodes} nodes, lost ones included, or as many times eight years of branches, \
          but the limit is {limit}; it can \
-         be had up to the age of {}; Growth::with_most_nodes raises the limit", year - 1
+         be grown up to the age of {}; Growth::with_most_nodes raises the limit", year - 1
     )]
     Limit {
         /// The first year that is missing.

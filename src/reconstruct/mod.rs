@@ -115,7 +115,7 @@ pub enum ReconstructError {
     },
     /// No trunk, or several, where the cloud is lowest.
     #[error(
-        "where the cloud is lowest, up to {high} m, {trunks} things stand apart, the largest at {first} and {second}, but one trunk must; cut the cloud, or say by Reconstruct::with_base which"
+        "where the cloud is lowest, up to {high} m, {trunks} things stand apart, the largest at {first} and {second}, but there must be one trunk; cut the cloud, or choose the trunk by Reconstruct::with_base"
     )]
     Trunks {
         /// The upper end of what was looked at, metres.
@@ -130,7 +130,7 @@ pub enum ReconstructError {
     /// The limb at the base is thin compared with others: the cloud stands on its head, or the trunk is not
     /// in it.
     #[error(
-        "the limb at the base, {base}, has a radius of {radius} m, but others have {thickest} m; turn or cut the cloud, or say by Reconstruct::with_base where the trunk is"
+        "the limb at the base, {base}, has a radius of {radius} m, but others have {thickest} m; turn or cut the cloud, or set the trunk base by Reconstruct::with_base"
     )]
     ThinBase {
         /// The position at which the base was found, metres.

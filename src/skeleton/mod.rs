@@ -102,8 +102,8 @@ pub enum SkeletonError {
     },
     /// Branch orders that no axes have.
     #[error(
-        "node {node} has the order {order} on one of the order {parent}, but orders begin at 0, and each is that of its \
-         parent, for one child at most, or one more"
+        "node {node} has the order {order} after the order {parent}, but the root must have the order 0, at most one \
+         child of a node the order of that node, and all other children one more"
     )]
     Order {
         /// The node.

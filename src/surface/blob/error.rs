@@ -25,7 +25,7 @@ pub enum BlobError {
         parts: usize,
     },
     /// A node of another builder.
-    #[error("node {node} is none of this builder's")]
+    #[error("node {node} belongs to another builder")]
     Stranger {
         /// Its number.
         node: u32,
@@ -38,8 +38,8 @@ pub enum BlobError {
     },
     /// An affine map without a usable inverse.
     #[error(
-        "a warp must be finite and stretch no way 100,000 times as much as another, alone and together with those around \
-         it, but this is {map}"
+        "a warp must be finite and stretch no direction 100,000 times as much as another, alone and together with the \
+         warps around it, but this is {map}"
     )]
     Singular {
         /// The map.
