@@ -124,7 +124,7 @@ pub(crate) struct Watch<'a> {
     done: AtomicUsize,
     next: AtomicUsize,
     is_cancelled: AtomicBool,
-    /// Whoever reports holds it.
+    /// Held by the thread that reports.
     reporting: Mutex<()>,
 }
 

@@ -10,10 +10,11 @@ impl Asset {
     /// `textures`, up to `thickness` metres thick. Coats that lie on the bark already are covered too, so
     /// that snow comes last.
     ///
-    /// Bark is [cut](Mask::cut) along the mask's border, so that every engine shows it; each level of detail has its border in the same
-    /// places as far as its triangles allow. That costs triangles: snow, moss and lichen together multiplied the bark of a bare oak by five. Leave room for them in the
-    /// budget, or look at [`triangles`](Self::triangles). Texture coordinates are the bark's, so that a tile is as large
-    /// as the bark's. Leaves and cards stay as they are.
+    /// Bark is [cut](Mask::cut) along the mask's border, so that every engine shows it; each level of detail
+    /// has its border in the same places as far as its triangles allow. This costs triangles: snow, moss and
+    /// lichen together multiplied the triangles of a bare oak's bark by five. Leave room for them in the
+    /// budget, or look at [`triangles`](Self::triangles). Texture coordinates are the bark's, so that a tile
+    /// is as large as the bark's. Leaves and cards stay as they are.
     ///
     /// ```
     /// use treesynth::{asset::AssetBuilder, presets, surface::Mask, texture::Coat};

@@ -284,8 +284,9 @@ fn sides(views: &[View], grid: Grid) -> Mesh {
     for (number, view) in views.iter().enumerate() {
         let first = mesh.positions.len() as u32;
         let ([u, v], [wide, high]) = grid.inner(number);
-        // Each side has triangles and a frame of its own. Were they the same, renderers would turn the normals about as a whole
-        // for the back, and light from the left would come from the right: where billboards cross there would be a seam.
+        // Each side has triangles and a frame of its own. If both sides shared them, renderers would flip the
+        // normals for the back, and light from the left would come from the right: there would be a seam
+        // where billboards cross.
         for side in [1.0, -1.0] {
             for (sx, sy) in [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)] {
                 mesh.positions

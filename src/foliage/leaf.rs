@@ -122,9 +122,9 @@ impl Leaf {
         Self::new(sketch.finish())
     }
 
-    /// Moves the mesh so far out along +Y and puts a stalk under it, a thirtieth of the mesh's length wide; 2
-    /// triangles. In the mesh's own unit, so 0.3 on a built-in leaf is 0.3 of the blade's length. Nothing happens if
-    /// `length` is not positive and finite, or there is no mesh.
+    /// Moves the mesh by `length` along +Y and puts a stalk under it, a thirtieth of the mesh's length wide;
+    /// 2 triangles. In the mesh's own unit, so 0.3 on a built-in leaf is 0.3 of the blade's length. Nothing
+    /// happens if `length` is not positive and finite, or there is no mesh.
     pub fn with_petiole(mut self, length: f32) -> Self {
         if let Some(bounds) = self.mesh.bounds().filter(|_| length > 0.0 && length.is_finite()) {
             sketch::add_petiole(&mut self.mesh, length, bounds.size().y / 60.0);

@@ -7,7 +7,8 @@ use crate::metrics::projected_area;
 use glam::Vec3;
 
 impl Leaves {
-    /// One-sided area of all leaves, square metres: of the triangles of each, so that what is folded counts in full. O(leaves).
+    /// One-sided area of all leaves, square metres: that of the triangles of each, so that folded leaves
+    /// count in full. O(leaves).
     pub fn area(&self) -> f64 {
         let squares = self.instances.iter().map(|leaf| f64::from(leaf.scale) * f64::from(leaf.scale));
         f64::from(self.leaf.mesh().area()) * squares.sum::<f64>()

@@ -223,12 +223,12 @@ impl<'a> Layout<'a> {
             let mut path = Path::new(growth, number, axis, base, length);
             let (year, progress) = (self.year, self.progress);
             let grown = growth.structure.metamers(axis, year, progress);
-            // Of the laterals above the node at hand.
+            // Pipes of the laterals above the current node.
             let mut lateral_pipes = self.pipes[number] - grown;
             if number == 0 {
                 self.radii[0] = growth.thickness.radius(self.pipes[0].max(1.0));
             }
-            let mut at = Foot { node: base.node, along: 0.0, position: base.position };
+            let mut at = Place { node: base.node, along: 0.0, position: base.position };
             let borne = growth.structure.borne_starts[number] as usize
                 ..growth.structure.borne_starts[number + 1] as usize;
             let mut borne = growth.structure.borne[borne].iter().copied().peekable();
@@ -248,7 +248,7 @@ impl<'a> Layout<'a> {
                     let unfolds =
                         |k: u32| sums.sums[k as usize] > if k > 0 { sums.sums[k as usize - 1] } else { 0.0 };
                     if i == last && !unfolds(k) {
-                        // Not yet unfolded, nor are those above it.
+                        // This metamer and those above it have not unfolded yet.
                         break;
                     }
                     let part = (k + 1) as f32 / metamers as f32;
@@ -306,7 +306,7 @@ impl<'a> Layout<'a> {
         self.unfolded[number].get_or_insert_with(|| Unfolded::new(phenology, progress, metamers))
     }
 
-    fn push(&mut self, at: Foot, radius: f32, year: u16, order: u16, id: u32) -> u32 {
+    fn push(&mut self, at: Place, radius: f32, year: u16, order: u16, id: u32) -> u32 {
         let node = self.positions.len() as u32;
         self.positions.push(at.position);
         self.parents.push(Some(at.node));
@@ -323,7 +323,7 @@ impl<'a> Layout<'a> {
     fn organs(
         &mut self,
         path: &Path<'_>,
-        at: Foot,
+        at: Place,
         direction: Vec3,
         radius: f32,
         year: u16,
@@ -368,7 +368,7 @@ impl<'a> Layout<'a> {
         self.leaves.push(Leaf { node: at.node, position, midrib, normal, length, color });
     }
 
-    fn apical_bud(&mut self, at: Foot, direction: Vec3, last: usize) {
+    fn apical_bud(&mut self, at: Place, direction: Vec3, last: usize) {
         let started = self.progress > 0.0;
         let phenology = &self.architecture.phenology;
         let growth = if started {
@@ -396,7 +396,7 @@ impl<'a> Layout<'a> {
 
 /// The place up to which a branch has been laid out.
 #[derive(Debug, Clone, Copy)]
-struct Foot {
+struct Place {
     node: u32,
     along: f32,
     position: Vec3,
@@ -501,7 +501,7 @@ impl<'a> Path<'a> {
         normal * cos + direction.cross(normal) * sin
     }
 
-    fn lateral(&self, lateral: &Axis, direction: Vec3, at: Foot) -> Base {
+    fn lateral(&self, lateral: &Axis, direction: Vec3, at: Place) -> Base {
         let outward = self.outward(direction, self.azimuth(lateral.bearer, lateral.place));
         let (sin, cos) = math::sin_cos(lateral.angle);
         let heading = (direction * cos + outward * sin).normalize_or(outward);

@@ -76,8 +76,8 @@ pub struct Scan {
 pub struct Truth {
     /// The part's number, or [`Truth::GROUND`].
     pub part: u32,
-    /// The node of the skeleton: of bark with [wind](crate::surface::Tubes::with_wind) the one that moves it, of a leaf the one that
-    /// bears it; 0 where the mesh does not tell.
+    /// The node of the skeleton: for bark with [wind](crate::surface::Tubes::with_wind) the one that moves
+    /// it, for a leaf the one that bears it; 0 if the mesh has no such data.
     pub node: u32,
     /// The number of the place it was seen from.
     pub place: u32,

@@ -186,7 +186,7 @@ impl Pen {
         if stretch > 1.0 {
             radii *= stretch.sqrt();
         }
-        // Of a unit circle; the middle of the ends is 0.
+        // On a unit circle; the middle of the ends is 0.
         let end = half / radii;
         let square = end.length_squared();
         let off = ((1.0 - square).max(0.0) / square).sqrt() * if large == sweep { -1.0 } else { 1.0 };

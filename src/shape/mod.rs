@@ -145,8 +145,8 @@ pub trait Shape: Send + Sync {
     /// Volume in cubic metres; 0 if the bounds are empty or not finite.
     ///
     /// The default asks `contains` for one point in each of 48³ cells of the bounds and is a few percent off
-    /// for compact shapes, more for thin ones. It is the same on every call. Nothing but the number of
-    /// points worked out from it depends on it: wrong volumes make for wrong densities.
+    /// for compact shapes, more for thin ones. It is the same on every call. Only the numbers of points that
+    /// are computed from it depend on it: wrong volumes give wrong densities.
     fn volume(&self) -> f32 {
         lattice_volume(self.bounds(), |point| self.contains(point))
     }

@@ -15,8 +15,8 @@ use crate::{ParameterError, math};
 /// its own. Without a side view the crown is as deep as it is wide, in the plane z = 0; with one it reaches
 /// the side view's ends.
 ///
-/// Profiles are circles, stretched to the silhouettes, until they are [edited](Self::with_profiles). Heights are those of
-/// the front view; of a side view what lies above or below it does not count.
+/// Profiles are circles, stretched to the silhouettes, until they are [edited](Self::with_profiles). Heights
+/// are those of the front view; parts of a side view above or below it do not count.
 ///
 /// ```
 /// use treesynth::{Shape, glam::{Vec2, Vec3}, shape::{CrossProfile, Outline, Sketch}};

@@ -276,7 +276,8 @@ mod tests {
             Tubes::default().with_error(0.01),
             Tubes::default().with_sides(3).with_least_sides(3).with_root_flare(3.0),
         ];
-        // Of 256,000 such tubes none floats, but branches that turn on the spot do as they please: always the same ones.
+        // None of 256,000 such tubes floats, but there is no guarantee for branches that turn on the spot; so
+        // the cases are always the same ones.
         let config = Config { cases: 500, failure_persistence: None, ..Config::default() };
         let mut runner = TestRunner::new_with_rng(config, TestRng::deterministic_rng(RngAlgorithm::ChaCha));
         let result = runner.run(&skeletons(40), |skeleton| {

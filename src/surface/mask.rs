@@ -432,7 +432,7 @@ mod tests {
         // On a twig of four sides a triangle reaches from the top to below.
         let aside = covered.normals.iter().filter(|normal| normal.y < 0.2).count();
         assert!(aside * 10 < covered.normals.len(), "{aside} of {}", covered.normals.len());
-        // Whatever the patches do, what faces straight up is white.
+        // Triangles that face straight up are white, whatever the patches are.
         let mut up =
             bare.triangles().filter(|corners| corners.iter().all(|&i| bare.normals[i as usize].y > 0.9));
         assert!(up.next().is_none());

@@ -33,7 +33,7 @@ pub struct Mesh {
     /// -1. As in glTF, normal times tangent (the cross product) times that number is the direction in which v
     /// **falls**, for normal maps are drawn with up as up and v counts from the upper edge down.
     pub tangents: Vec<Vec4>,
-    /// A texture coordinate a vertex, or none at all. Not confined to [0, 1]: textures repeat.
+    /// One texture coordinate per vertex, or none at all. They are not confined to [0, 1]: textures repeat.
     pub uvs: Vec<Vec2>,
     /// Factors on the material's colour at each vertex, or none: linear red, green and blue, each 0
     /// to 1. glTF has them as `COLOR_0`, PLY multiplied, and `preview` draws them; the other formats leave them out.

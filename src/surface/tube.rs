@@ -321,7 +321,7 @@ impl Tubes {
         let area = |node: usize, parent: usize| {
             2.0 * skeleton.radii()[node] * skeleton.positions()[node].distance(skeleton.positions()[parent])
         };
-        // Of each node's internode and all it bears.
+        // Area of each node's internode and all that it bears.
         let mut areas = vec![0.0f32; skeleton.len()];
         for (node, parent) in skeleton.edges().rev() {
             areas[node] += area(node, parent);

@@ -130,7 +130,7 @@ impl Unwrap {
     }
 }
 
-/// New vertices: of each old one those that differ in what they wear.
+/// New vertices: for each old one those that differ in texture coordinates or tangents.
 struct Copies {
     /// The latest of each old vertex, and the one before each.
     latest: Vec<u32>,

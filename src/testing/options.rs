@@ -46,7 +46,7 @@ pub struct StageOptions {
     pub count: usize,
     /// Random weights in place of hops.
     pub randomness: f32,
-    /// Only lower or only higher than the source.
+    /// Restricts endpoints to those lower or to those higher than the source.
     pub side: Option<Side>,
     /// Share of the spacing to which the stage refines the graph; `None` if it does not.
     pub refinement: Option<f32>,

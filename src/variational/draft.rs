@@ -178,8 +178,9 @@ impl Draft {
         self.owners = nearest(&positions, places).into_iter().map(|i| open[i as usize]).collect();
     }
 
-    /// Laterals of the stem that carry nothing get the shape node nearest to them, where others of their node carry
-    /// something; otherwise a whorl would have gaps. Only from nodes that have more than one.
+    /// Laterals of the stem that carry nothing get the shape node nearest to them, where others of their node
+    /// carry something; otherwise a whorl would have gaps. Takes shape nodes only from nodes that have more
+    /// than one.
     pub(super) fn feed_laterals(&mut self, places: &[DVec3]) {
         let orders = self.orders();
         let is_lateral =

@@ -76,8 +76,9 @@ pub fn structure(skeleton: &Skeleton, beta: f32) -> Result<Energy, ParameterErro
     Ok(Energy { value, gradient })
 }
 
-/// `F_E = Σ d_i min_j |q_i - p_j| / Σ d_i`, equation 7, metres, with its gradient: how far the shape nodes are from the
-/// skeleton's nodes. Of nodes equally near the first counts. O((n + m) log n) for m shape nodes.
+/// `F_E = Σ d_i min_j |q_i - p_j| / Σ d_i`, equation 7, metres, with its gradient: the distance of the shape
+/// nodes from the skeleton's nodes. If several nodes are equally near, the first counts. O((n + m) log n) for
+/// m shape nodes.
 ///
 /// The tree's own tips are shape nodes, so this says something of the [structure](super::Growth::structure) below them.
 ///

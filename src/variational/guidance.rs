@@ -51,9 +51,9 @@ impl GuidanceShape {
 
     /// `count` shape nodes, from 2 to 20,000,000, spread evenly in `shape`.
     ///
-    /// Poisson-disc: of five random points per node those far apart are kept. The area A of a node is that of
-    /// a square as far across as the nodes are apart, `(volume / count)^(2/3)`, and its diameter `2 sqrt(A /
-    /// 2π)`. O(n log n).
+    /// Poisson-disc: draws five random points per node and keeps those far apart. The area A of a node is
+    /// that of a square as far across as the nodes are apart, `(volume / count)^(2/3)`, and its diameter `2
+    /// sqrt(A / 2π)`. O(n log n).
     ///
     /// # Errors
     /// A shape that fails its check or holds nothing, or a count out of range.
@@ -82,10 +82,10 @@ impl GuidanceShape {
     /// `jitter` times their distance from each other, in [0, 4]: half of that each for itself, half together with its
     /// neighbours. With 0 all are on the surface.
     ///
-    /// Of a shape that can [sample](Shape::sample_surface) its surface, as meshes can, five points per node
-    /// are drawn from it. With others, random lines meet a surface evenly (Crofton), and the number of hits
-    /// gives its area, so that only [`contains`](Shape::contains) is needed. Lines may pass unnoticed through
-    /// parts thinner than a 200th of the bounds. Of five places per node those far apart are kept; A is the
+    /// From a shape that can [sample](Shape::sample_surface) its surface, as meshes can, five points per node
+    /// are drawn. With others, random lines meet a surface evenly (Crofton), and the number of hits gives its
+    /// area, so that only [`contains`](Shape::contains) is needed. Lines may pass unnoticed through parts
+    /// thinner than a 200th of the bounds. Out of five places per node those far apart are kept; A is the
     /// area over the count, the diameter `2 sqrt(A / 2π)`. O(n log n), and without surface samples about 2000
     /// calls of `contains` per node.
     ///

@@ -23,7 +23,7 @@ pub(super) enum Array<'a> {
         copies: usize,
         short: bool,
     },
-    /// Places of copies; of rounded meshes, which `grid` scales back.
+    /// Positions of copies; for rounded meshes `grid` scales them back.
     Translations(&'a [Instance], Option<Grid>),
     Rotations(&'a [Instance]),
     Scales(&'a [Instance], Option<Grid>),

@@ -150,7 +150,7 @@ pub enum TriangleMeshError {
         /// The number of triangles.
         count: usize,
     },
-    /// Nothing is inside.
+    /// The surface encloses nothing.
     #[error("the surface encloses nothing: it is flat, or open with {open_sides} open sides")]
     Nothing {
         /// Sides of triangles with no other triangle at them.

@@ -168,7 +168,8 @@ impl BlobTreeBuilder {
         self.combine(Operator::Contact(contact), parts)
     }
 
-    /// Any operator on parts. Of those whose order is no matter, more than four are grouped by where they are.
+    /// Any operator on parts. If their order does not matter and there are more than four, they are grouped
+    /// by position.
     ///
     /// # Errors
     /// An operator's parameter out of its range; too few parts: none, or one where two are needed; a node of another
@@ -215,9 +216,9 @@ impl BlobTreeBuilder {
         self.push(Draft::Bounded { style, parts }, bounds, most[0].max(most[1]))
     }
 
-    /// A lateral on the branch that bears it: their axes blend within the field as the style says, if there is one, and as by
-    /// the style's outer operator around it; all else that stands on both meets as by a union. Nothing but this and
-    /// [`finish`](Self::finish) may take what it gives.
+    /// A lateral on its parent branch: their axes blend within the field as the style says, if there is one,
+    /// and as by the style's outer operator around it; all else that stands on both meets as by a union. Only
+    /// this and [`finish`](Self::finish) may take the node that it returns.
     ///
     /// # Errors
     /// As of [`bounded`](Self::bounded), of parameters in range.

@@ -88,8 +88,8 @@ impl BlobTree {
         self.scene.value(self.scene.near(point).into_iter().rev(), point)
     }
 
-    /// The value at a point and its gradient, per metre; it points inwards. Of length 0 where the field is
-    /// level.
+    /// The value at a point and its gradient, per metre; it points inwards. The gradient has length 0 where
+    /// the field is level.
     pub fn gradient(&self, point: Vec3) -> (f32, Vec3) {
         let point = point - self.origin;
         self.scene.gradient(self.scene.near(point).into_iter().rev(), point)

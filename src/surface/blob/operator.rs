@@ -243,7 +243,7 @@ impl Operator {
                         },
                     );
                 Range {
-                    // Nothing is pressed below the second greatest, and the greatest only by the second.
+                    // No value is pressed below the second greatest, and the greatest only by the second.
                     least: least[1].max(least[0] + (ISO - most[1]).min(0.0)),
                     most: most[0] + if most[1] > 0.0 { contact.highest() } else { 0.0 },
                     slope: (slopes[0] + slopes[1]) * contact.steepest(),

@@ -65,7 +65,7 @@ impl BlobPreset {
     /// Content of the picture.
     ///
     /// # Errors
-    /// None that is known.
+    /// None is known.
     pub fn blob_tree(&self) -> Result<BlobTree, BlobError> {
         match self.scene {
             Scene::Lines(operator) => {
@@ -95,7 +95,7 @@ impl BlobPreset {
 fn lines(builder: &mut BlobTreeBuilder) -> Result<[super::Node; 2], BlobError> {
     let [from, to] = [Vec3::new(0.0, -2.0, 0.0), Vec3::new(0.0, 2.0, 0.0)];
     let stem = builder.add(Primitive::line(from, to, 0.22).with_color(BARK))?;
-    // Not from the stem's axis on, for then it would be felt on the far side.
+    // It does not begin on the stem's axis, since it would be felt on the far side then.
     let lateral = Primitive::line(Vec3::new(0.06, -0.24, 0.0), Vec3::new(2.0, 1.7, 0.0), 0.17);
     Ok([stem, builder.add(lateral.with_color(BARK))?])
 }

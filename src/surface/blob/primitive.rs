@@ -242,7 +242,7 @@ impl Leaf {
         } else {
             at / swell
         };
-        // That of the ball, for another is felt no more.
+        // The gradient of this ball, since no other is felt more.
         let away = offset - self.way * t;
         let direction = away / (away.length().max(f32::MIN_POSITIVE) * self.radius(t));
         (self.strength * value, direction * (self.strength * slope))

@@ -125,7 +125,7 @@ impl Scene {
         };
         scene.operators.extend(drafts.styles.iter().flat_map(|style| [style.inside, style.outside]));
         let mut frames = vec![Frame { node: root, warp: 0, done: 0, start: 0 }];
-        // Of finished parts.
+        // Boxes of finished parts.
         let mut boxes: Vec<Bounds> = Vec::new();
         while let Some(frame) = frames.last_mut() {
             let draft = &drafts.entries[frame.node as usize].draft;

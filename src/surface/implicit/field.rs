@@ -219,7 +219,7 @@ impl Part for Felt<'_> {
 
     fn gradient(&self, point: Vec3) -> (f32, Vec3) {
         let point = point - self.field.origin;
-        // Of the whole field, and of the branch at hand.
+        // Sums over the whole field, and over the current branch.
         let (mut sum, mut slope) = (0.0, Vec3::ZERO);
         let (mut best, mut branch) = ((0.0, Vec3::ZERO), u32::MAX);
         for &number in &self.near {

@@ -86,7 +86,7 @@ impl<P: Part> Bricks<P> {
         watch: &Watch<'_>,
     ) -> Result<Option<Vec<(IVec3, u8)>>, Cancelled> {
         let mut split = Vec::new();
-        // Whoever finds that there are too many, the sum says so.
+        // The sum over all threads, so that any of them notices when there are too many.
         let count = AtomicUsize::new(self.leaves.len() + self.crowd);
         while !cubes.is_empty() {
             let deep = cubes.len() >= MANY;

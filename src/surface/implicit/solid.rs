@@ -6,8 +6,8 @@ use glam::Vec3;
 
 /// A solid bounded by an implicit surface: its value is 0 on the surface, above 0 inside, below 0 outside.
 ///
-/// Nobody evaluates a solid as a whole: it is asked for the [part](Solid::part) of it that counts within a cube, then for
-/// the part of that within a smaller one, and so on down an octree. Parts are evaluated.
+/// A solid is never evaluated as a whole. It gives the [part](Solid::part) of it that counts within a cube,
+/// then the part of that within a smaller cube, and so on down an octree. Parts are evaluated.
 pub(crate) trait Solid: Sync {
     /// Part of it that counts within a cube.
     type Part: Part;
@@ -38,7 +38,8 @@ pub(crate) trait Part: Send + Sync {
     /// The value at a point of the cube.
     fn value(&self, point: Vec3) -> f32;
 
-    /// The value and its gradient, per metre, at a point of the cube. Of length 0 only where there is none.
+    /// The value and its gradient, per metre, at a point of the cube. The gradient has length 0 only where
+    /// there is none.
     fn gradient(&self, point: Vec3) -> (f32, Vec3);
 
     /// The values at 4 · 4 · 4 points of the cube: entry `x + 4y + 16z` is that of the point x, y and z steps
