@@ -90,8 +90,8 @@ struct Twig<'a> {
 }
 
 impl<'a> Twig<'a> {
-    /// `None` if there is no room for leaves. Leafy is where the branch is thin enough, near enough to the tips it
-    /// bears, and outside of the branch that bears it.
+    /// `None` if there is no room for leaves. Leaves stand where the branch is thin enough, near enough to
+    /// the tips it bears, and outside of its parent branch.
     fn new(
         foliage: &'a Foliage,
         skeleton: &'a Skeleton,

@@ -13,8 +13,8 @@ pub fn grows_enough(before: f32, after: f32, least_shoot: f32) -> bool {
 
 /// Equation 6, `l_dy = l_py·((1 - t_y)·G_s1(x_y) + t_y·G_s2(x_y))`: the length that the silhouette wants of a branch.
 ///
-/// `parent` is the length of the branch that bears it in the same year, `time` the year as a part of the greatest age,
-/// and `young` and `mature` are the two silhouettes at the branch's relative position.
+/// `parent` is the length of its parent branch in the same year, `time` the year as a part of the greatest
+/// age, and `young` and `mature` are the two silhouettes at the branch's relative position.
 pub fn wanted_length(parent: f32, time: f32, young: f32, mature: f32) -> f32 {
     parent * ((1.0 - time) * young + time * mature)
 }

@@ -2,8 +2,8 @@
 
 use super::architecture::Architecture;
 
-/// The least and the greatest exponent. Within them the cross-sections of two branches of a fork are 1 to 1.12 times the one
-/// that bears them.
+/// The least and the greatest exponent. Within them the cross-sections of two branches of a fork are together
+/// 1 to 1.12 times that of their parent branch.
 const EXPONENTS: [f64; 2] = [2.0, 2.4];
 /// Least and greatest radius of twigs, as multiples of the species' own: within them it is changed so that
 /// the trunk gets its thickness.

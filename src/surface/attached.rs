@@ -6,7 +6,8 @@ use crate::Skeleton;
 use glam::{DVec3, Vec3};
 use std::ops::Range;
 
-/// The largest gap between a tube's first ring and the wood that bears it: metres, and radii of the tube.
+/// The largest gap between a tube's first ring and the wood of its parent branch: metres, and radii of the
+/// tube.
 const GAP: f64 = 2e-3;
 const GAP_RADII: f64 = 0.1;
 /// A gap that rounding makes, metres.
@@ -20,7 +21,7 @@ struct Tube {
     ring: Range<usize>,
     /// Its indices in the mesh.
     indices: Range<usize>,
-    /// The number of the tube that bears it.
+    /// The number of its parent tube.
     parent: Option<usize>,
     /// Radius of its first internode, metres.
     radius: f64,

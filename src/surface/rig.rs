@@ -28,8 +28,8 @@ pub(crate) struct Joint {
     angle: f32,
 }
 
-/// Bones of a skeleton: the trunk has up to five, the largest limbs and twigs one each, and what is smaller goes with what
-/// bears it.
+/// Bones of a skeleton: the trunk has up to five, the largest limbs and twigs one each, and smaller branches
+/// move with their parent branch.
 ///
 /// At its base a branch has the weights of its parent branch, and its own bone takes over in its lower half;
 /// so the motion is continuous at every junction.

@@ -16,7 +16,7 @@ const MOST_VERTICES: usize = 150_000_000;
 /// Greatest factor by which branches are wider to make up for those left out.
 const MOST_WIDENING: f32 = 1.3;
 
-/// A smooth tube along every branch, with a collar where it leaves the one that bears it, and a round tip.
+/// A smooth tube along every branch, with a collar where it leaves its parent branch, and a round tip.
 ///
 /// Guaranteed: triangles face outward and have an area; normals are of unit length, tangents too and
 /// perpendicular to them; the same skeleton gives the same bits; axes go through the nodes, and the radius at
@@ -178,12 +178,13 @@ impl Tubes {
 
     /// Keeps squares of bark square as branches grow thin; default false.
     ///
-    /// The number of squares around a branch is whole and the same all along it, so that nothing jumps; where a branch is
-    /// half as thick as at its base, a square is half as wide. By default it is as long there as at the base, and ridges
-    /// are drawn out; with this it is half as long too, as bark is finer where it is younger. Branches thinner than one
-    /// square around wear one that is smaller, instead of one squeezed. v is continuous along each branch, and begins with
-    /// metres from the root over the size. Bark does not continue from a branch to the one that bears it: collars end in
-    /// the bark of their parent branch with a seam.
+    /// The number of squares around a branch is whole and the same all along it, so that nothing jumps; where
+    /// a branch is half as thick as at its base, a square is half as wide. By default it is as long there as
+    /// at the base, and ridges are drawn out; with this it is half as long too, as bark is finer where it is
+    /// younger. Branches thinner than one square around wear one that is smaller, instead of one squeezed. v
+    /// is continuous along each branch, and begins with metres from the root over the size. Bark does not
+    /// continue from a branch to its parent branch: collars end in the bark of their parent branch with a
+    /// seam.
     pub fn with_square_tiles(mut self, square: bool) -> Self {
         self.square_tiles = square;
         self

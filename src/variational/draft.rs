@@ -14,7 +14,7 @@ pub(super) struct Draft {
     pub(super) positions: Vec<DVec3>,
     /// The root's is 0.
     pub(super) parents: Vec<u32>,
-    /// The level in which each node was made, one more for branches than for the axis that bears them.
+    /// The level in which each node was made, one more for branches than for their parent axis.
     pub(super) stages: Vec<u16>,
     pub(super) wishes: Vec<Wish>,
     /// For each shape node the branch node it hangs on.

@@ -1,4 +1,4 @@
-//! Branches on branches: each blends with the one that bears it, and with no other.
+//! Branches on branches: each blends with its parent branch, and with no other.
 //!
 //! A limb has two values: its own, that of its axis alone, and the greatest of all that stands on it. At a
 //! fork the own values of the parent branch and the lateral are blended; the parent branch keeps its own for
