@@ -11,13 +11,14 @@
 //! # The way through
 //!
 //! [`shape`] and [`field`] say where a tree may grow and what pulls on it; [`guided`], [`variational`],
-//! [`self_organizing`] and [`growth`] grow it; a [`Skeleton`] is what comes out; [`radius`] makes it thick, [`metrics`] measures it, [`surface`] makes triangles of
-//! it, [`foliage`] puts leaves on it, [`export`] writes files, and
-//! [`preview`](https://docs.rs/treesynth/latest/treesynth/preview/) draws pictures. [`presets`] has the trees of the
-//! papers' figures and more, ready made, and [`species`] grows trees by name.
+//! [`self_organizing`] and [`growth`] grow it; the result is a [`Skeleton`]; [`radius`] makes it thick,
+//! [`metrics`] measures it, [`surface`] makes triangles of it, [`foliage`] puts leaves on it, [`export`]
+//! writes files, and [`preview`](https://docs.rs/treesynth/latest/treesynth/preview/) draws pictures.
+//! [`presets`] has the trees of the papers' figures and more, ready made, and [`species`] grows trees by
+//! name.
 //!
-//! Measured trees: [`cloud`] reads points, [`reconstruct`] makes a skeleton of them, [`mod@format`] reads and writes skeletons as plant
-//! scientists have them, and [`scan`] makes clouds whose truth is known.
+//! Measured trees: [`cloud`] reads points, [`reconstruct`] makes a skeleton of them, [`mod@format`] reads and
+//! writes skeletons as plant scientists have them, and [`scan`] makes clouds whose truth is known.
 //!
 //! ```
 //! use treesynth::{Metrics, presets, surface::Tubes};
@@ -29,10 +30,11 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
-//! Conventions: metres, radians, +Y is up, right-handed, the root at the origin unless it is planted elsewhere. Options are structs with
-//! `with_*` methods; they are checked where work starts (curves at once), and what is wrong comes back as an error that names the
-//! parameter, its value and its range. Nothing panics on bad input, but methods that take
-//! the number of a node that does not exist (they say so); and the library never prints.
+//! Conventions: metres, radians, +Y is up, right-handed, the root at the origin unless it is planted
+//! elsewhere. Options are structs with `with_*` methods; they are checked where work starts (curves at once),
+//! and a wrong value is returned as an error that names the parameter, its value and its range. Bad input
+//! never causes a panic, except the number of a node that does not exist in methods that say so. The library
+//! never prints.
 //!
 //! # Features
 //!

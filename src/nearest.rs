@@ -1,4 +1,4 @@
-//! Which of some nodes each of some places is nearest to.
+//! Nearest nodes of many places.
 
 use std::num::NonZero;
 
@@ -8,7 +8,7 @@ use kiddo::immutable::float::kdtree::ImmutableKdTree;
 
 use crate::parallel;
 
-/// Places asked for by one task.
+/// Places searched by one task.
 const CHUNK: usize = 2048;
 
 /// The first node of each place: only these go into a search tree.
@@ -32,7 +32,7 @@ pub(crate) fn nearest(nodes: &[DVec3], places: &[DVec3]) -> Vec<u32> {
     let find = |place: &DVec3| {
         let place = place.to_array();
         let nearest = tree.nearest_one::<SquaredEuclidean>(&place);
-        // Which of equally near nodes is found first is the search tree's affair.
+        // The search tree may return any of several equally near nodes first.
         let lowest = tree
             .best_n_within::<SquaredEuclidean>(&place, nearest.distance, NonZero::<usize>::MIN)
             .next()

@@ -36,7 +36,7 @@ pub trait Observer: Sync {
 pub struct Progress {
     /// Work in progress.
     pub work: Work,
-    /// How much of that is done, in [0, 1]. Each kind of work ends with exactly 1.
+    /// Fraction of that work that is done, in [0, 1]. Each kind of work ends with exactly 1.
     pub fraction: f32,
 }
 
@@ -57,9 +57,9 @@ pub enum Work {
     },
     /// A season of a forest.
     Season {
-        /// The season, from 0, of those that were asked for.
+        /// The season's number among those requested, from 0.
         index: u32,
-        /// The number of seasons asked for.
+        /// The number of seasons requested.
         of: u32,
     },
     /// The radii are being worked out.
@@ -117,29 +117,29 @@ pub(crate) struct Watch<'a> {
     work: Work,
     /// Fractions of the work at the first and the last step.
     part: Range<f32>,
-    /// How many steps there are, or about.
+    /// Number of steps, or an estimate.
     of: usize,
     /// Steps from one report to the next.
     every: usize,
     done: AtomicUsize,
     next: AtomicUsize,
     is_cancelled: AtomicBool,
-    /// Whoever reports holds it.
+    /// Held by the thread that reports.
     reporting: Mutex<()>,
 }
 
 impl<'a> Watch<'a> {
-    /// Of all of some work, which takes about so many steps.
+    /// Watches the whole of some work, which takes about `of` steps.
     pub(crate) fn new(observer: &'a dyn Observer, work: Work, of: usize, every: usize) -> Self {
         Self::part(observer, work, 0.0..1.0, of, every)
     }
 
-    /// Of what nobody watches.
+    /// A watch without an observer.
     pub(crate) fn silent() -> Watch<'static> {
         Watch::new(&Silent, Work::Surface, 1, usize::MAX)
     }
 
-    /// Of a part of some work.
+    /// Watches a part of some work.
     pub(crate) fn part(
         observer: &'a dyn Observer,
         work: Work,
@@ -169,7 +169,7 @@ impl<'a> Watch<'a> {
         self.goes_on()
     }
 
-    /// Whether nobody has cancelled it.
+    /// `true` as long as nobody has cancelled the work.
     pub(crate) fn goes_on(&self) -> bool {
         !self.is_cancelled.load(Ordering::Relaxed)
     }
@@ -192,7 +192,7 @@ impl<'a> Watch<'a> {
             return;
         }
         self.next.store(done + self.every, Ordering::Relaxed);
-        // Where there are more steps than were thought it only comes nearer to the end.
+        // If there are more steps than estimated, the fraction only comes nearer to the end.
         let (done, of) = (done as f32, self.of.max(1) as f32);
         let share = if done < 0.9 * of { done / of } else { 1.0 - 0.1 * (0.9 * of) / done };
         let fraction = (self.part.start + (self.part.end - self.part.start) * share).min(0.999_9);

@@ -1,4 +1,4 @@
-//! What every check of an option says when it fails.
+//! The error of every check of an option.
 
 /// An option out of its range. Displays as `name is value, but must be range`.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]

@@ -31,19 +31,19 @@ impl Purpose {
     pub const LEADER: Self = Self(9);
     /// Positions of the marker points of space colonization.
     pub const MARKERS: Self = Self(8);
-    /// Differences between neighbouring leaves, and which leaves fall.
+    /// Differences between neighbouring leaves, and the choice of leaves that fall.
     pub const LEAVES: Self = Self(16);
     /// Positions of the nodes of a guidance shape.
     pub const SHAPE_NODES: Self = Self(40);
-    /// How the first branches of an axis are turned about it.
+    /// Azimuths of the first branches of an axis.
     pub const AZIMUTH: Self = Self(41);
     /// Random differences between trees that grow by positional information: directions, lifespans, falling leaves.
     pub const GROWTH: Self = Self(48);
     /// Lattice points and gradients of a bark texture.
     pub const BARK: Self = Self(72);
-    /// Where snow, moss and lichen lie in patches.
+    /// Patches of snow, moss and lichen.
     pub const COVER: Self = Self(73);
-    /// Which twigs stand for others as cards, and how one leaf's image differs from the next.
+    /// Choice of twigs that stand for others as cards, and differences between the images of leaves.
     pub const CARDS: Self = Self(49);
     /// Differences between trees of one species, and between the branches of each.
     pub const SPECIES: Self = Self(64);

@@ -1,5 +1,5 @@
-//! What options have in common: to be read, and to be the variants of a recipe, an enum a trait, made of the strategies
-//! themselves.
+//! Macros that options share: methods to read them, and recipes, one enum per trait, whose variants are the
+//! strategies themselves.
 
 /// Gives options a method to read each of these fields, of the name that its `with_*` method has: values are copied, those
 /// of a type after `&` lent; `in part` for fields of a part, `@[...]` for generics.
@@ -7,7 +7,7 @@ macro_rules! readable {
     (& $(@[$($generics:tt)*])? $name:ty { $($field:ident: $type:ty),* $(,)? }) => {
         impl $(<$($generics)*>)? $name {
             $(
-                #[doc = concat!("What [`with_", stringify!($field), "`](Self::with_", stringify!($field), ") sets.")]
+                #[doc = concat!("The value set by [`with_", stringify!($field), "`](Self::with_", stringify!($field), ").")]
                 pub fn $field(&self) -> &$type {
                     &self.$field
                 }
@@ -17,7 +17,7 @@ macro_rules! readable {
     (in $part:ident: $name:ty { $($field:ident: $type:ty),* $(,)? }) => {
         impl $name {
             $(
-                #[doc = concat!("What [`with_", stringify!($field), "`](Self::with_", stringify!($field), ") sets.")]
+                #[doc = concat!("The value set by [`with_", stringify!($field), "`](Self::with_", stringify!($field), ").")]
                 pub fn $field(&self) -> $type {
                     self.$part.$field
                 }
@@ -27,7 +27,7 @@ macro_rules! readable {
     ($(@[$($generics:tt)*])? $name:ty { $($field:ident: $type:ty),* $(,)? }) => {
         impl $(<$($generics)*>)? $name {
             $(
-                #[doc = concat!("What [`with_", stringify!($field), "`](Self::with_", stringify!($field), ") sets.")]
+                #[doc = concat!("The value set by [`with_", stringify!($field), "`](Self::with_", stringify!($field), ").")]
                 pub fn $field(&self) -> $type {
                     self.$field
                 }

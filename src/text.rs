@@ -32,7 +32,8 @@ impl<R: BufRead> Lines<R> {
     }
 
     #[cfg(feature = "import")]
-    /// Keeps so many bytes of the latest line and appends the next, after a space: what a backslash at its end asks for.
+    /// Keeps the first `end` bytes of the latest line and appends the next line, after a space: a line that
+    /// ends with a backslash continues so.
     pub(crate) fn join(&mut self, end: usize) -> io::Result<bool> {
         self.line.truncate(end);
         self.line.push(b' ');
@@ -89,7 +90,7 @@ pub(crate) fn number(word: &[u8]) -> Option<f64> {
     std::str::from_utf8(word).ok()?.parse().ok()
 }
 
-/// Up to 40 characters of what was found, in quotes, for an error.
+/// Up to 40 characters of the bytes found, in quotes, for an error.
 pub(crate) fn quoted(bytes: &[u8]) -> String {
     const MOST: usize = 40;
     let start = String::from_utf8_lossy(&bytes[..bytes.len().min(4 * MOST)]);

@@ -8,9 +8,10 @@ use glam::Vec3;
 
 /// Empty pixels about what is drawn in a cell, at full size.
 pub(super) const PADDING: usize = 4;
-/// How much of the light one leaf lets through, and so on: of what comes from behind, by layers.
+/// Share of the light from behind that one layer of leaves lets through; each further layer lets through the
+/// same share.
 const THROUGH: f32 = 0.45;
-/// Colour of the light that passes a leaf, beside that of the light it reflects: yellower, brighter.
+/// Colour of the light that passes a leaf, relative to that of the light it reflects: yellower, brighter.
 const GLOW: [f32; 3] = [1.35, 1.5, 0.7];
 /// Pixels with less cover are holes.
 pub(super) const CUTOFF: f32 = 0.5;
@@ -24,7 +25,7 @@ pub(super) struct Grid {
 }
 
 impl Grid {
-    /// At least so many cells, each of `cell` pixels; about as wide as high.
+    /// A grid of at least `cells` cells, each with sides of `cell` pixels; about as wide as high.
     pub(super) fn of(cells: usize, cell: usize) -> Self {
         let (mut columns, mut rows) = (1, 1);
         while columns * rows < cells {
@@ -45,8 +46,8 @@ impl Grid {
     }
 }
 
-/// An atlas of pictures, each of the inner size of a cell, their colours multiplied by `gain`. Cells have at least two pixels a side.
-/// A step for 32 pixels.
+/// An atlas of pictures, each of the inner size of a cell, their colours multiplied by `gain`. Cells have at
+/// least two pixels per side. Takes one step per 32 pixels.
 pub(super) fn textures(
     grid: Grid,
     cells: &[Baked],
@@ -93,7 +94,7 @@ pub(super) fn textures(
     })
 }
 
-/// How much light passes so many layers of leaves, beside one leaf.
+/// Light that passes `layers` layers of leaves, relative to one leaf.
 fn through(layers: f32) -> f32 {
     THROUGH.sqrt() * crate::math::powf(THROUGH, (layers - 1.0).max(0.0))
 }

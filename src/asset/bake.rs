@@ -1,5 +1,5 @@
-//! An orthographic rasterizer: what a leaf, a twig or a tree looks like from far away, as colour, cover, normal, depth and
-//! the number of layers of leaves, a pixel each.
+//! An orthographic rasterizer: what a leaf, a twig or a tree looks like from far away, as colour, cover,
+//! normal, depth and the number of layers of leaves, one entry per pixel.
 
 use super::skin::Skin;
 use crate::math;
@@ -30,7 +30,7 @@ impl View {
         Self { right, up: toward.cross(right), toward, center, half }
     }
 
-    /// From the world to right, up, and toward the viewer.
+    /// Matrix from the world to right, up, and toward the viewer.
     fn matrix(&self) -> Mat3 {
         Mat3::from_cols(self.right, self.up, self.toward).transpose()
     }
@@ -54,9 +54,9 @@ pub(super) struct Sample {
     /// Toward the viewer, metres from the view's centre; minus infinity where there is nothing.
     pub(super) depth: f32,
     pub(super) color: [f32; 3],
-    /// In the view's frame.
+    /// Normal in the view's frame.
     pub(super) normal: Vec3,
-    /// Of all that lies behind this point, the nearest included.
+    /// Layers of all that lies behind this point, the nearest included.
     pub(super) layers: f32,
 }
 
@@ -66,7 +66,7 @@ pub(super) struct Raster {
     view: View,
     width: usize,
     height: usize,
-    /// Along each side of a pixel.
+    /// Points along each side of a pixel.
     samples: usize,
     all: Vec<Sample>,
 }
@@ -94,7 +94,7 @@ pub(super) struct Pixel {
     pub(super) color: [f32; 3],
     /// Covered share of the pixel, 0 to 1.
     pub(super) cover: f32,
-    /// Of length 1, in the view's frame; zero where there is nothing.
+    /// Normal of length 1, in the view's frame; zero where there is nothing.
     pub(super) normal: Vec3,
     pub(super) depth: f32,
     pub(super) layers: f32,
@@ -111,8 +111,8 @@ struct Corner {
 const MOST_POINTS: usize = 1 << 24;
 
 impl Raster {
-    /// A picture of so many pixels with `samples` x `samples` points in each, or fewer where that would be more than
-    /// [`MOST_POINTS`].
+    /// A picture of `width` x `height` pixels with `samples` x `samples` points in each, or fewer where that
+    /// would be more than [`MOST_POINTS`].
     pub(super) fn new(view: View, width: usize, height: usize, samples: usize) -> Self {
         let fits = |samples: &usize| width * height * samples * samples <= MOST_POINTS;
         let samples = (1..=samples).rev().find(fits).unwrap_or(1);

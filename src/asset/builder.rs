@@ -34,12 +34,12 @@ pub struct AssetBuilder {
 }
 
 impl AssetBuilder {
-    /// What [`with_bark_textures`](Self::with_bark_textures) sets.
+    /// The textures set by [`with_bark_textures`](Self::with_bark_textures).
     pub fn bark_textures(&self) -> Option<&Textures> {
         self.bark_textures.as_deref()
     }
 
-    /// What [`with_foliage`](Self::with_foliage) sets.
+    /// The foliage set by [`with_foliage`](Self::with_foliage).
     pub fn foliage(&self) -> Option<&Foliage> {
         self.foliage.as_ref()
     }
@@ -122,7 +122,8 @@ impl AssetBuilder {
     /// The radius below which wood wears young bark by default, metres.
     pub const THIN: f32 = 0.03;
 
-    /// How the wood on cards looks; by default as the bark in the mean colour of its images, those of thin wood if there are any.
+    /// Material of the wood on cards; by default that of the bark in the mean colour of its images, those of
+    /// thin wood if there are any.
     pub fn with_twigs(mut self, material: Material) -> Self {
         self.twigs = Some(material);
         self
@@ -146,8 +147,8 @@ impl AssetBuilder {
         self
     }
 
-    /// The part of the triangles that bark may take if there are leaves, 0.05 to 0.95; default 0.35. What it does not take
-    /// goes to the leaves, and what they do not take goes to the bark.
+    /// The part of the triangles that bark may take if there are leaves, 0.05 to 0.95; default 0.35. The
+    /// triangles that bark does not take go to the leaves, and those that leaves do not take go to the bark.
     pub fn with_bark_share(mut self, share: f32) -> Self {
         self.bark_share = share;
         self
@@ -172,16 +173,18 @@ impl AssetBuilder {
         self
     }
 
-    /// How much darker leaves and bark are deep in the crown, 0 (not at all) to 1; default 0.5. Leaves by their tints, as
-    /// [`Leaves::shaded`]; cards and impostors have it from them; bark in its [colours](crate::surface::Mesh::colors), which are there only
-    /// with leaves. It is occlusion of the sky, the same in every level.
+    /// Darkening of leaves and bark deep in the crown, 0 (none) to 1; default 0.5. Leaves are darkened by
+    /// their tints, as [`Leaves::shaded`] does it; cards and impostors take it over from them; bark is
+    /// darkened in its [colours](crate::surface::Mesh::colors), which are there only with leaves. It is
+    /// occlusion of the sky, the same in every level.
     pub fn with_canopy_shade(mut self, strength: f32) -> Self {
         self.canopy_shade = strength;
         self
     }
 
-    /// How far the normals of leaves and cards are bent outwards by the crown, 0 (they are not) to 1; default 0.5. Light falls on the
-    /// crown as on a round body then, and no back is black: see [`bend_normals`](crate::foliage::bend_normals).
+    /// Share by which the normals of leaves and cards are bent outwards, away from the crown's middle, 0
+    /// (they are not) to 1; default 0.5. Light falls on the crown as on a round body then, and no back is
+    /// black: see [`bend_normals`](crate::foliage::bend_normals).
     ///
     /// Copies with normals of their own become one mesh, without instances; without a budget, of a dense model, they
     /// are left as they are.
@@ -213,7 +216,7 @@ impl AssetBuilder {
         self.build_observed(skeleton, seed, &Silent)
     }
 
-    /// As [`build`](Self::build), telling `observer` how far it is and stopping when told to.
+    /// As [`build`](Self::build), reporting progress to `observer`, which can cancel the work.
     ///
     /// # Errors
     /// As [`build`](Self::build), and [`AssetError::Cancelled`].
@@ -248,7 +251,7 @@ impl AssetBuilder {
         self.build_with_observed(skeleton, leaves, &Silent)
     }
 
-    /// As [`build_with`](Self::build_with), telling `observer` how far it is and stopping when told to.
+    /// As [`build_with`](Self::build_with), reporting progress to `observer`, which can cancel the work.
     ///
     /// # Errors
     /// As [`build_with`](Self::build_with), and [`AssetError::Cancelled`].
@@ -301,12 +304,13 @@ impl AssetBuilder {
         Ok(())
     }
 
-    /// The tubes as the bark is made: where thin wood is another piece, their wind tells the node of each vertex.
+    /// The tubes as the bark is made: where thin wood is another piece, their wind has the node of each
+    /// vertex.
     pub(super) fn own_tubes(&self) -> Tubes {
         if self.young.is_some() { self.tubes.clone().with_wind(true) } else { self.tubes.clone() }
     }
 
-    /// Takes thin wood out of the bark, and from both the wind that nobody asked for.
+    /// Takes thin wood out of the bark, and from both the wind if it is not wanted.
     pub(super) fn split(&self, bark: &mut Piece, skeleton: &Skeleton) -> Option<Piece> {
         let mut young = self.young.as_ref()?.split(bark, skeleton, self.tubes.has_even_texels());
         if !self.tubes.has_wind() {
@@ -323,7 +327,7 @@ pub(super) fn check_side(name: &str, side: u32) -> Result<(), ParameterError> {
     ParameterError::unless(holds, name, side, "a power of two, 128 to 8192 pixels")
 }
 
-/// Of an asset in the making: bark is planned a few times, and the dense model drawn from four sides.
+/// Watch of an asset in the making: bark is planned a few times, and the dense model drawn from four sides.
 pub(super) fn watch<'a>(skeleton: &Skeleton, leaves: &[Leaves], observer: &'a dyn Observer) -> Watch<'a> {
     let triangles: u64 = leaves.iter().map(|leaves| leaves.part().triangles()).sum();
     Watch::new(observer, Work::Asset, 20 * skeleton.len() + 4 * triangles as usize / 20, DRAWN)

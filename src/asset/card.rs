@@ -14,7 +14,7 @@ use std::f32::consts::FRAC_1_SQRT_2;
 pub(super) const TRIANGLES: usize = 4;
 /// Points along each side of a baked pixel.
 const SAMPLES: usize = 4;
-/// As opaque as so many leaves is wood.
+/// Number of layers of leaves that are as opaque as wood.
 const WOOD: f32 = 4.0;
 
 /// Leaves of the tree that cards may show.
@@ -23,7 +23,7 @@ pub(super) struct Source<'a> {
     pub(super) dresses: &'a [Dress],
     pub(super) all: &'a [Leaf],
     pub(super) bark: Material,
-    /// For each node, whether its internode is on no mesh of bark.
+    /// For each node, `true` if its internode is on no mesh of bark.
     pub(super) bare: &'a [bool],
     /// For each node, the numbers of the clusters of this level that it is in; `u32::MAX` for none.
     pub(super) cluster_of: &'a [u32],
@@ -32,7 +32,7 @@ pub(super) struct Source<'a> {
 /// One kind of card.
 #[derive(Debug)]
 pub(super) struct Kind {
-    /// In the frame of the model's cluster, from its base.
+    /// Mesh in the frame of the model's cluster, from its base.
     pub(super) mesh: Mesh,
     /// Middle of its leaves, from its base.
     middle: Vec3,
@@ -195,7 +195,7 @@ pub(super) fn instance(cluster: &Cluster, kind: &Kind, larger: f32) -> Instance 
     Instance { position, rotation, scale, node, tint: cluster.tint }
 }
 
-/// How a flat twig bends away from its plane: `a + b·x + c·y + d·x·y` by least squares.
+/// Deviation of a flat twig from its plane: `a + b·x + c·y + d·x·y` by least squares.
 struct Bend([f64; 4]);
 
 impl Bend {

@@ -228,8 +228,9 @@ fn principal(mut a: [[f64; 3]; 3]) -> [Vec3; 3] {
     [least, middle, least.cross(middle).normalize_or(Vec3::Y)]
 }
 
-/// Which clusters look alike: for each its kind, and for each kind the cluster that stands for it. At most `kinds`, none
-/// empty. Lloyd's algorithm from the start of Arthur and Vassilvitskii 2007, in what is left of a cluster when it is scaled.
+/// Sorts clusters into kinds that look alike: the kind of each cluster, and for each kind the cluster that
+/// stands for it. At most `kinds` kinds, none empty. Lloyd's algorithm from the start of Arthur and
+/// Vassilvitskii 2007, over the shape of the clusters and, with less weight, their density and size.
 /// O(clusters · kinds).
 pub(super) fn kinds(clusters: &[Cluster], kinds: usize) -> (Vec<u32>, Vec<u32>) {
     type Traits = [f32; 5];

@@ -6,13 +6,15 @@ use crate::texture::Textures;
 use std::sync::Arc;
 
 impl Asset {
-    /// The asset with what a mask covers of its bark in a material of its own: white, wearing `textures`, up to
-    /// `thickness` metres thick. What lies on the bark already is covered too, so that snow comes last.
+    /// The asset with the part of its bark that a mask covers in a material of its own: white, wearing
+    /// `textures`, up to `thickness` metres thick. Coats that lie on the bark already are covered too, so
+    /// that snow comes last.
     ///
-    /// Bark is [cut](Mask::cut) along the mask's border, so that every engine shows it; each level of detail has its border in the same
-    /// places as far as its triangles allow. That costs triangles: snow, moss and lichen together multiplied the bark of a bare oak by five. Leave room for them in the
-    /// budget, or look at [`triangles`](Self::triangles). Texture coordinates are the bark's, so that a tile is as large
-    /// as the bark's. Leaves and cards stay as they are.
+    /// Bark is [cut](Mask::cut) along the mask's border, so that every engine shows it; each level of detail
+    /// has its border in the same places as far as its triangles allow. This costs triangles: snow, moss and
+    /// lichen together multiplied the triangles of a bare oak's bark by five. Leave room for them in the
+    /// budget, or look at [`triangles`](Self::triangles). Texture coordinates are the bark's, so that a tile
+    /// is as large as the bark's. Leaves and cards stay as they are.
     ///
     /// ```
     /// use treesynth::{asset::AssetBuilder, presets, surface::Mask, texture::Coat};
@@ -26,7 +28,7 @@ impl Asset {
     /// ```
     ///
     /// # Errors
-    /// What [`Mask::cut`] refuses; a setting of the textures out of its range.
+    /// As [`Mask::cut`]; a setting of the textures out of its range.
     pub fn coated(
         &self,
         name: &'static str,
@@ -61,7 +63,7 @@ impl Asset {
     /// with algae. Vertex colours carry it, so that it costs nothing; wetness as a gloss is a matter of the material.
     ///
     /// # Errors
-    /// What [`Mask::tint`] refuses.
+    /// As [`Mask::tint`].
     pub fn tinted(&self, mask: &Mask, color: [f32; 3]) -> Result<Self, AssetError> {
         let mut asset = self.clone();
         for mesh in asset.barks_mut() {

@@ -21,14 +21,14 @@ const VIEWS: [(f32, f32); 4] =
     [(0.2, 0.1), (0.2 + 0.25 * TAU, 0.1), (0.2 + 0.5 * TAU, 0.1), (0.2 + 0.75 * TAU, 0.1)];
 /// Range of a card's size relative to the twigs it stands for.
 const LARGER: (f32, f32) = (0.6, 1.8);
-/// By how much their alpha may be multiplied if that is not enough.
+/// Range of the factor on the alpha of cards, if their size is not enough.
 pub(super) const THICKER: (f32, f32) = (0.2, 4.0);
 /// Range of the factor on the colours of cards.
 const GAIN: (f32, f32) = (0.6, 1.6);
 /// Cover that is no more off than this is right.
 const NEAR: f64 = 0.004;
 
-/// What a model looks like, at every size.
+/// The look of a model, at every size.
 #[derive(Debug)]
 pub(super) struct Look {
     frame: Frame,
@@ -39,14 +39,14 @@ pub(super) struct Look {
 }
 
 impl Look {
-    /// Of a model of triangles without holes, whose cover is the same at every size.
+    /// The look of a model of triangles without holes, whose cover is the same at every size.
     pub(super) fn of(parts: &[Part<'_>], watch: &Watch<'_>) -> Result<Self, AssetError> {
         let look = Self::at(parts, Frame::of(parts, MEASURED.1 as usize)?, watch);
         watch.pass(0)?;
         Ok(look)
     }
 
-    /// In pictures of this size.
+    /// The look in pictures of this size.
     fn at(parts: &[Part<'_>], frame: Frame, watch: &Watch<'_>) -> Self {
         let skins = skins(parts);
         let drawn = drawn(parts, &skins);
@@ -65,8 +65,9 @@ impl Look {
         Self { frame, cover: sum.cover * area, color: sum.color() }
     }
 
-    /// How much more of the picture the model hides in pictures in which the other is so many pixels high, and by what its
-    /// colour is to be multiplied to be the other's.
+    /// Compares a model, `parts`, with this look in pictures in which the look's model is `pixels` pixels
+    /// high: the area that it covers more, as a share of this look's, and the factor that takes its colour to
+    /// this look's.
     fn beside(&self, parts: &[Part<'_>], pixels: usize, watch: &Watch<'_>) -> (f64, [f32; 3]) {
         let now = Self::at(parts, self.frame.at(pixels), watch);
         let gain = [0, 1, 2].map(|i| self.color[i] / now.color[i].max(1e-6));

@@ -17,9 +17,9 @@ use std::sync::Arc;
 /// Drawn steps from one report to the next.
 const DRAWN: usize = 1024;
 
-/// How much billboards' normals look up, beside their own length.
+/// Upward component that is added to billboards' unit normals.
 const UPWARD: f32 = 0.6;
-/// What is left of their part toward the viewer.
+/// Share that is kept of their part toward the viewer.
 const FACING: f32 = 0.35;
 /// Points along each side of a baked pixel.
 const SAMPLES: usize = 3;
@@ -63,7 +63,7 @@ impl Impostor {
         self
     }
 
-    /// Whether one more lies, at half the height, for views from above; default false.
+    /// Adds a horizontal billboard at half the height, for views from above; default false.
     pub fn with_lying(mut self, lying: bool) -> Self {
         self.lying = lying;
         self
@@ -100,7 +100,7 @@ impl Impostor {
         self.billboards_observed(parts, &Silent)
     }
 
-    /// As [`billboards`](Self::billboards), telling `observer` how far it is and stopping when told to.
+    /// As [`billboards`](Self::billboards), reporting progress to `observer`, which can cancel the work.
     ///
     /// # Errors
     /// As [`billboards`](Self::billboards), and [`AssetError::Cancelled`].
@@ -213,7 +213,7 @@ impl Impostor {
         self.octahedral_observed(parts, &Silent)
     }
 
-    /// As [`octahedral`](Self::octahedral), telling `observer` how far it is and stopping when told to.
+    /// As [`octahedral`](Self::octahedral), reporting progress to `observer`, which can cancel the work.
     ///
     /// # Errors
     /// As [`octahedral`](Self::octahedral), and [`AssetError::Cancelled`].
@@ -284,8 +284,9 @@ fn sides(views: &[View], grid: Grid) -> Mesh {
     for (number, view) in views.iter().enumerate() {
         let first = mesh.positions.len() as u32;
         let ([u, v], [wide, high]) = grid.inner(number);
-        // Each side has triangles and a frame of its own. Were they the same, renderers would turn the normals about as a whole
-        // for the back, and light from the left would come from the right: where billboards cross there would be a seam.
+        // Each side has triangles and a frame of its own. If both sides shared them, renderers would flip the
+        // normals for the back, and light from the left would come from the right: there would be a seam
+        // where billboards cross.
         for side in [1.0, -1.0] {
             for (sx, sy) in [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)] {
                 mesh.positions
@@ -300,9 +301,10 @@ fn sides(views: &[View], grid: Grid) -> Mesh {
     mesh
 }
 
-/// The normal that a billboard shows where the tree has this one, in the frame of its view. A billboard stands in the middle of the
-/// crown: there normals lie in its plane, or look up. Were it to show those of the side from which it was baked, one that is seen
-/// edge-on would be as dark or light as no other beside it.
+/// The normal that a billboard shows where the tree has this one, in the frame of its view. A billboard
+/// stands in the middle of the crown: there normals lie in its plane, or look up. With the normals of the
+/// side from which it was baked, a billboard that is seen edge-on would be much darker or lighter than the
+/// others.
 fn upright(normal: Vec3) -> Vec3 {
     if normal == Vec3::ZERO {
         return normal;
@@ -329,7 +331,7 @@ pub struct Octahedral {
     pub color: Image,
     /// Normals in the tree's own axes, each channel from -1 (0) to 1 (255).
     pub normal: Image,
-    /// How far toward the viewer the surface is, from -radius (0) to +radius (255); 0 where there is nothing.
+    /// Offset of the surface toward the viewer, from -radius (0) to +radius (255); 0 where there is nothing.
     pub depth: Image,
     /// Views along each side.
     pub grid: u32,
@@ -342,7 +344,7 @@ pub struct Octahedral {
 }
 
 impl Octahedral {
-    /// All that a shader has to know, as JSON text to be put beside the images.
+    /// All that a shader has to know, as JSON text to be stored with the images.
     pub fn json(&self) -> String {
         let Self { grid, margin, center, radius, .. } = self;
         let pixels = self.color.width();

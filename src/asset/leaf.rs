@@ -36,7 +36,8 @@ pub struct LeafImages {
 }
 
 impl LeafImages {
-    /// The images of a leaf in so many variants, 1 to 16, each in a cell of `side` x `side` pixels, a power of two, 32 to 2048.
+    /// The images of a leaf in this number of `variants`, 1 to 16, each in a cell of `side` x `side` pixels,
+    /// a power of two, 32 to 2048.
     ///
     /// The mesh's texture coordinates say what part of the image it wears; they should be within 0 to 1. The colours are those
     /// of the leaf's material; they are in the images, so that the material to go with them is white. There is an alpha channel
@@ -122,32 +123,32 @@ fn pieces(mesh: &Mesh) -> Vec<usize> {
 
 /// The veins that others branch from, in texture coordinates.
 struct Veins {
-    /// From where to where, one or more a piece of the mesh.
+    /// Start and end of each, one or more per piece of the mesh.
     main: Vec<[Vec2; 2]>,
-    /// For each vertex, which of these are its piece's.
+    /// For each vertex, the range of these that belong to its piece.
     of: Vec<(u32, u32)>,
 }
 
 impl Veins {
-    /// Pieces of the mesh are leaflets; from the end of each nearest to the leaf's foot a vein leads to every lobe.
-    /// O(triangles · log vertices).
+    /// Pieces of the mesh are leaflets; from the end of each nearest to the leaf's base a vein leads to every
+    /// lobe. O(triangles · log vertices).
     fn of(mesh: &Mesh) -> Self {
         let count = mesh.positions.len();
         let pieces = pieces(mesh);
-        let by_foot = |vertex: usize| {
+        let by_base = |vertex: usize| {
             let p = mesh.positions[vertex];
             p.x.abs() + p.y.abs() + p.z.abs()
         };
-        // For each piece, by its first vertex: the vertex nearest to the leaf's foot.
-        let mut foot: Vec<usize> = (0..count).collect();
+        // For each piece, by its first vertex: the vertex nearest to the leaf's base.
+        let mut base: Vec<usize> = (0..count).collect();
         for vertex in 0..count {
-            let nearest = &mut foot[pieces[vertex]];
-            if by_foot(vertex) < by_foot(*nearest) {
+            let nearest = &mut base[pieces[vertex]];
+            if by_base(vertex) < by_base(*nearest) {
                 *nearest = vertex;
             }
         }
-        // A lobe's tip is farther from the foot than its neighbours.
-        let far = |vertex: usize| mesh.positions[vertex].distance(mesh.positions[foot[pieces[vertex]]]);
+        // A lobe's tip is farther from the base than its neighbours.
+        let far = |vertex: usize| mesh.positions[vertex].distance(mesh.positions[base[pieces[vertex]]]);
         let mut is_tip: Vec<Option<bool>> = vec![None; count];
         for corners in mesh.triangles() {
             for vertex in corners.map(|corner| corner as usize) {
@@ -167,7 +168,7 @@ impl Veins {
                 of_piece[piece].0 = number;
             }
             of_piece[piece].1 = number + 1;
-            veins.main.push([mesh.uvs[foot[piece]], mesh.uvs[tip]]);
+            veins.main.push([mesh.uvs[base[piece]], mesh.uvs[tip]]);
         }
         for vertex in 0..count {
             veins.of[vertex] = of_piece[pieces[vertex]];
@@ -175,7 +176,8 @@ impl Veins {
         veins
     }
 
-    /// How much of a vein is at a point, 0 to 1, and how far it is from its main vein, beside that one's length.
+    /// Strength of the vein at a point, 0 to 1, and the point's distance from its main vein and place along
+    /// it, both relative to that vein's length.
     fn at(&self, (start, end): (u32, u32), at: Vec2, pixel: f32) -> (f32, f32, f32) {
         let (mut vein, mut nearest, mut along) = (0.0f32, f32::INFINITY, 0.0);
         for &[from, to] in &self.main[start as usize..end as usize] {

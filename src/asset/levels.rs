@@ -11,10 +11,12 @@ impl AssetBuilder {
     /// The asset in several levels of detail, each with this share of the triangles: `[1.0, 0.3, 0.08]` for three. An
     /// [`Impostor`](super::Impostor) of the same leaves goes where they end.
     ///
-    /// Every level has fewer triangles than the one before. Levels are nested: the bark of a level has branches of the finer
-    /// one only, and its cards stand for one or several cards of that, or for the leaves of one. Each level's images are a
-    /// quarter as wide as those of the one before, 128 pixels at the least: a level is half as high on the screen, and has fewer cards. A level is meant for pictures in which the tree is
-    /// [so many pixels](Asset::pixels) high. There are fewer levels if there is nothing left to drop.
+    /// Every level has fewer triangles than the one before. Levels are nested: the bark of a level has
+    /// branches of the finer one only, and its cards stand for one or several cards of that, or for the
+    /// leaves of one. Each level's images are a quarter as wide as those of the one before, 128 pixels at the
+    /// least: a level is half as high on the screen, and has fewer cards. A level is meant for pictures in
+    /// which the tree is [`Asset::pixels`] pixels high. There are fewer levels if there is nothing left to
+    /// drop.
     ///
     /// # Errors
     /// Shares that are not 1 to 8 numbers in (0, 1], each less than the one before; otherwise as [`build`](Self::build). A
@@ -24,7 +26,7 @@ impl AssetBuilder {
         self.levels_observed(skeleton, seed, shares, &Silent)
     }
 
-    /// As [`levels`](Self::levels), telling `observer` how far it is and stopping when told to.
+    /// As [`levels`](Self::levels), reporting progress to `observer`, which can cancel the work.
     ///
     /// # Errors
     /// As [`levels`](Self::levels), and [`AssetError::Cancelled`].
@@ -51,7 +53,7 @@ impl AssetBuilder {
         self.levels_with_observed(skeleton, leaves, shares, &Silent)
     }
 
-    /// As [`levels_with`](Self::levels_with), telling `observer` how far it is and stopping when told to.
+    /// As [`levels_with`](Self::levels_with), reporting progress to `observer`, which can cancel the work.
     ///
     /// # Errors
     /// As [`levels_with`](Self::levels_with), and [`AssetError::Cancelled`].

@@ -14,9 +14,9 @@ use std::f32::consts::TAU;
 
 /// Points along each side of a pixel of a picture that is measured: four in all, as renderers have them.
 pub(super) const SAMPLES: usize = 2;
-/// Pictures in which a tree is less high, pixels, are drawn several times.
+/// Pictures in which a tree is lower than this, pixels, are drawn several times.
 const LARGE: f32 = 120.0;
-/// As often at the most.
+/// The greatest number of times.
 const TIMES: f32 = 9.0;
 /// Direction of the light, as the viewer sees it.
 const LIGHT: Vec3 = Vec3::new(0.36, 0.73, 0.58);
@@ -30,17 +30,18 @@ const DIRECT: f32 = 0.65;
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub struct Likeness {
-    /// The area that the model hides beside that of the other, less 1: 0.03 is 3% more.
+    /// The area that the model hides relative to that of the other, less 1: 0.03 is 3% more.
     pub cover: f32,
-    /// Between the mean colours, in CIE Lab of 1976 (D65): 2 is what an untrained eye sees side by side.
+    /// Distance between the mean colours, in CIE Lab of 1976 (D65): 2 is what an untrained eye sees side by
+    /// side.
     pub color: f32,
     /// Structural similarity of the pictures' lightness on white, within the smallest box about the tree; 1 is the same (Wang et al. 2004).
     pub ssim: f32,
 }
 
 impl Likeness {
-    /// Compares `model` with `full` from four sides, in pictures in which `full` is so many pixels high, 8 to 2048; small
-    /// pictures are drawn up to nine times, each a part of a pixel beside the others.
+    /// Compares `model` with `full` from four sides, in pictures in which `full` is `pixels` pixels high, 8
+    /// to 2048; small pictures are drawn up to nine times, each offset by part of a pixel from the others.
     ///
     /// # Errors
     /// A height out of range; parts that cannot be drawn; nothing to be seen.
@@ -194,7 +195,7 @@ pub(super) fn reach(parts: &[Part<'_>], from: Vec3) -> f32 {
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Frame {
     center: Vec3,
-    /// Of the model.
+    /// Size of the model, metres.
     size: Vec3,
     pixel: f32,
     half: Vec2,
@@ -203,7 +204,7 @@ pub(super) struct Frame {
 }
 
 impl Frame {
-    /// In which the model is about so many pixels high.
+    /// A frame in which the model is about `pixels` pixels high.
     pub(super) fn of(parts: &[Part<'_>], pixels: usize) -> Result<Self, AssetError> {
         check(parts)?;
         let bounds = bounds(parts).ok_or(AssetError::Nothing)?;
@@ -220,7 +221,7 @@ impl Frame {
         Self { center, size, pixel, half, width, height }
     }
 
-    /// About the same model in pictures in which it is so many pixels high.
+    /// The frame of the same model in pictures in which it is `pixels` pixels high.
     pub(super) fn at(&self, pixels: usize) -> Self {
         Self::about(self.center, self.size, pixels)
     }
@@ -231,8 +232,8 @@ impl Frame {
         (smaller * smaller).clamp(1.0, TIMES) as usize
     }
 
-    /// The view of such a time: moved by a part of a pixel, evenly spread (Roberts 2018, "The Unreasonable Effectiveness of
-    /// Quasirandom Sequences"); not moved the first time.
+    /// The view of one of these times: moved by a part of a pixel, evenly spread (Roberts 2018, "The
+    /// Unreasonable Effectiveness of Quasirandom Sequences"); not moved the first time.
     pub(super) fn view_beside(&self, yaw: f32, lift: f32, number: usize) -> View {
         let mut view = self.view(yaw, lift);
         let part = |step: f32| self.pixel * ((number as f32 * step + 0.5).fract() - 0.5);
@@ -245,7 +246,7 @@ impl Frame {
         self.pixel
     }
 
-    /// How high the model is, pixels.
+    /// Height of the model, pixels.
     pub(super) fn pixels(&self) -> f32 {
         self.size.y / self.pixel
     }
@@ -292,7 +293,8 @@ pub(super) fn lab([r, g, b]: [f32; 3]) -> [f32; 3] {
     [116.0 * y - 16.0, 500.0 * (x - y), 200.0 * (y - z)]
 }
 
-/// Of two pictures' encoded grey on white, in windows of 8 x 8 pixels, four apart, in which there is something.
+/// Structural similarity of two pictures' encoded grey on white, in windows of 8 x 8 pixels, four apart, that
+/// are not empty.
 fn ssim(a: &Baked, b: &Baked) -> f32 {
     let tones = Tones::new();
     let grey = |baked: &Baked| -> Vec<f64> {

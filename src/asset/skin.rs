@@ -19,7 +19,7 @@ pub(super) struct Skin {
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Texel {
     pub(super) color: [f32; 3],
-    /// In tangent space.
+    /// Normal in tangent space.
     pub(super) normal: Vec3,
     /// The tangent at the triangle's first corner, if there is a normal map.
     pub(super) tangent: Option<Vec4>,
@@ -45,7 +45,7 @@ impl Skin {
         }
     }
 
-    /// On a triangle whose area is twice so many points of the picture.
+    /// The skin on a triangle; `area` is twice the triangle's area in the picture, in points.
     pub(super) fn on(&self, mesh: &Mesh, triangle: [u32; 3], area: f32) -> SkinOn<'_> {
         let uvs = triangle.map(|corner| mesh.uvs.get(corner as usize).copied().unwrap_or_default());
         let tangent = mesh.tangents.get(triangle[0] as usize).copied().filter(|_| !self.normal.is_empty());
@@ -53,7 +53,7 @@ impl Skin {
             .color
             .first()
             .map_or(Vec2::ONE, |image| Vec2::new(image.width() as f32, image.height() as f32));
-        // Texels a point, then halved in both directions until there is about one.
+        // Texels per point, then halved in both directions until there is about one.
         let mut texels = ((uvs[1] - uvs[0]) * size).perp_dot((uvs[2] - uvs[0]) * size).abs() / area;
         let mut level = 0;
         while texels > 2.0 && level + 1 < self.color.len() {

@@ -1,4 +1,4 @@
-//! What all levels of one tree share, and how a budget becomes bark, leaves and cards.
+//! The data that all levels of one tree share, and the division of a budget into bark, leaves and cards.
 
 use super::atlas::{self, Grid};
 use super::card::{self, Source};
@@ -114,7 +114,7 @@ impl<'a> Tree<'a> {
         self.assemble(self.bark.clone(), 0.0, &whole, Vec::new(), None)
     }
 
-    /// What the dense model looks like; nothing if there is nothing to be seen. It is drawn once for all levels.
+    /// The look of the dense model; nothing if there is nothing to be seen. It is drawn once for all levels.
     pub(super) fn look(&self) -> Result<Option<&Look>, AssetError> {
         if self.look.get().is_none() {
             let look = match Look::of(&self.dense().parts(), self.watch) {
@@ -128,7 +128,8 @@ impl<'a> Tree<'a> {
         Ok(self.look.get().and_then(Option::as_ref))
     }
 
-    /// One level: the asset within so many triangles, and its groups of leaves, made of those of a finer one.
+    /// One level: the asset of at most `triangles` triangles, and its groups of leaves, made of those of the
+    /// `finer` level.
     pub(super) fn level(
         &self,
         triangles: Option<usize>,
@@ -183,14 +184,15 @@ impl<'a> Tree<'a> {
         Ok((self.bent(asset)?, grouping))
     }
 
-    /// Bark of at most its share of so many triangles, its error, and for each branch whether it is there.
+    /// The bark within its share of a budget of `most` triangles, its error, and for each branch whether it
+    /// is there.
     fn bark_within(&self, most: usize) -> Result<(Mesh, f32, Vec<bool>), AssetError> {
         let branches = self.skeleton.branches().len();
         if self.bark.is_empty() {
             return Ok((Mesh::default(), 0.0, vec![false; branches]));
         }
         let has_leaves = self.leaf_triangles > 0;
-        // What leaves do not need is the bark's.
+        // Triangles that leaves do not need go to the bark.
         let spare = most.saturating_sub(self.leaf_triangles);
         let share = if has_leaves { (most as f32 * self.builder.bark_share) as usize } else { most };
         let card = if has_leaves { card::TRIANGLES } else { 0 };
@@ -212,7 +214,7 @@ impl<'a> Tree<'a> {
         Ok((level.mesh, level.error, kept))
     }
 
-    /// Groups of leaves for at most so many cards, of leaves or of the groups of a finer level.
+    /// Groups of leaves for at most `most` cards, made of leaves or of the groups of a finer level.
     fn regroup(&self, most: usize, finer: Option<&Grouping>) -> Result<Grouping, AssetError> {
         let area: f32 = self.all.iter().map(|leaf| leaf.area).sum();
         let least = FEWEST * area / self.all.len().max(1) as f32;
@@ -235,8 +237,8 @@ impl<'a> Tree<'a> {
         Ok(Grouping { roots, of })
     }
 
-    /// Which clusters are shown leaf by leaf, and which as cards: first come those farthest out, whose leaves make the
-    /// crown's outline.
+    /// Divides clusters into those shown leaf by leaf and those shown as cards. Those farthest out get their
+    /// leaves first, since they make the crown's outline.
     fn share(&self, clusters: &[Cluster], room: usize) -> (Vec<usize>, Vec<usize>) {
         let bounds = Bounds::of(clusters.iter().map(|cluster| cluster.middle));
         let half = (bounds.size() * 0.5).max(Vec3::splat(1e-6));
@@ -267,7 +269,7 @@ impl<'a> Tree<'a> {
         (order, cards)
     }
 
-    /// For each node whether no bark is about its internode.
+    /// For each node, `true` if no bark is about its internode.
     fn bare(&self, kept: &[bool]) -> Vec<bool> {
         let mut bare = vec![false; self.skeleton.len()];
         for (branch, kept) in self.skeleton.branches().iter().zip(kept) {

@@ -1,8 +1,9 @@
 //! Bark of thin wood, which wears images of its own.
 //!
-//! Old bark and young meet at forks alone: a lateral is young from its base on if its first internode is thinner than the
-//! stated radius; a branch that becomes thinner on its way changes at the next fork. What a young branch bears is young. So
-//! no fork leads back, and levels of detail agree about every internode.
+//! Old bark and young meet at forks alone: a lateral is young from its base on if its first internode is
+//! thinner than the stated radius; a branch that becomes thinner on its way changes at the next fork. All
+//! laterals of a young branch are young. No fork therefore leads back to old bark, and levels of detail agree
+//! about every internode.
 
 use super::Piece;
 use super::light::in_bytes;
@@ -14,7 +15,8 @@ use std::sync::Arc;
 
 /// The greatest part of the thickest radius that counts as thin, so that small trees have a trunk too.
 const THIN: f32 = 0.4;
-/// How far from the change the mean colours are their own, in its radius: on thick wood, and on thin.
+/// Radii, as multiples of that at which thick wood changes to thin, beyond which wood has its own mean
+/// colour: on thick wood, and on thin.
 const FADES: (f32, f32) = (2.0, 0.4);
 /// Means that differ by less are the same.
 const SAME: f32 = 0.004;
@@ -46,7 +48,7 @@ impl Young {
         let mut around = vec![0.0f32; thin.firsts.len()];
         for corners in mesh.triangles() {
             let node = |corner: u32| mesh.wind[corner as usize].node as usize;
-            // The foot of a collar moves with the parent branch, but belongs to the branch it bears.
+            // The base of a collar moves with the parent branch, but belongs to the branch it bears.
             let owner = corners.map(|corner| thin.branches[node(corner)]).into_iter().fold(0, u32::max);
             let is_thin = corners.iter().any(|&corner| {
                 let node = node(corner);
@@ -74,7 +76,8 @@ impl Young {
         for (uv, &owner) in mesh.uvs.iter_mut().zip(&owner_of) {
             let tiles = around[owner].round().max(1.0);
             let factor = (TAU * thin.firsts[owner] / self.tile).round().max(1.0) / tiles;
-            // Where the number changes along a branch, it stays whole only if it is multiplied.
+            // If the number changes along a branch, it stays whole only if it is multiplied by a whole
+            // number.
             *uv *= if has_sections { factor.round().max(1.0) } else { factor };
         }
         old.mesh = rest;
@@ -96,9 +99,9 @@ impl Young {
     }
 }
 
-/// Which wood is thin.
+/// The wood that is thin.
 struct Thin {
-    /// Of each node whether its internode is.
+    /// For each node, `true` if its internode is thin.
     nodes: Vec<bool>,
     /// The branch that each node's internode belongs to.
     branches: Vec<u32>,
@@ -169,7 +172,7 @@ fn fade(old: &mut Piece, young: &mut Piece, radii: &[f32], change: f32) {
     }
 }
 
-/// How thin wood looks on cards.
+/// Material of thin wood on cards.
 pub(super) fn on_cards(young: &Young, bark: Material) -> Material {
     let (own, mean) = (bark.color(), young.mean_color());
     bark.with_color([own[0] * mean[0], own[1] * mean[1], own[2] * mean[2]])
@@ -222,7 +225,7 @@ mod tests {
     fn tiles_around_young_wood_are_whole() {
         assets(|name, _, _, split| {
             let mesh = split.young_bark().expect("young bark");
-            // Where a ring closes, two vertices are in one place, and u differs by a whole number.
+            // Two vertices are in one place where a ring closes, and their u differs by a whole number.
             let mut all: Vec<([u32; 3], Vec2)> = mesh
                 .positions
                 .iter()

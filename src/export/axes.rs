@@ -1,4 +1,4 @@
-//! Which way is up in a file, and what its unit is.
+//! The up axis of a file, and its unit.
 
 use crate::ParameterError;
 use crate::shape::UpAxis;
@@ -79,7 +79,7 @@ impl Axes {
         self.turned(if self.unit.to_bits() == 1.0_f32.to_bits() { place } else { place / self.unit })
     }
 
-    /// For the file's header.
+    /// Note for the file's header.
     pub(super) fn note(self) -> String {
         let known = [(1.0_f32, "metres"), (0.001, "millimetres"), (0.01, "centimetres"), (0.0254, "inches")];
         let unit = known.iter().find(|(unit, _)| unit.to_bits() == self.unit.to_bits());

@@ -1,4 +1,4 @@
-//! Images that lie beside a file, or in an archive with it, under names of their own.
+//! Images that are stored next to a file, or in an archive with it, under names of their own.
 
 use super::pool::Pool;
 use super::worn::{self, Image, Textures};
@@ -6,7 +6,7 @@ use crate::surface::Part;
 use std::borrow::Cow;
 use std::collections::BTreeMap;
 
-/// An image that a file names, to be written beside it.
+/// An image that a file names, to be written next to it.
 #[cfg_attr(not(feature = "texture"), allow(dead_code, unreachable_pub, reason = "there are none"))]
 #[derive(Debug, Clone)]
 pub struct ImageFile<'a> {
@@ -119,7 +119,7 @@ impl<'a> Uses<'a> {
     }
 }
 
-/// Whether the image of the colour cuts holes into a part.
+/// `true` if the colour image cuts holes into a part.
 pub(super) fn is_masked(part: &Part<'_>) -> bool {
     worn::textures(part).is_some_and(Textures::is_masked)
 }

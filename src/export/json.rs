@@ -1,6 +1,6 @@
 //! Skeletons as JSON text.
 //!
-//! An object of six arrays, each with an entry a node:
+//! An object of six arrays, each with an entry per node:
 //!
 //! ```json
 //! {
@@ -236,7 +236,7 @@ mod tests {
         refused(&FORK.replace("0.5]", "-1e39]"), "");
     }
 
-    /// Gives so many bytes, then fails.
+    /// Gives this number of bytes, then fails.
     struct Broken(usize);
 
     impl Read for Broken {

@@ -10,9 +10,9 @@
 //! | SVG, `.svg` | [`svg`] | a [`Skeleton`](crate::Skeleton) as a drawing | |
 //! | JSON | `json` | a [`Skeleton`](crate::Skeleton), and back | `json` |
 //!
-//! USD writes instances, and glTF on request ([`GlbOptions::with_instancing`]); glTF by default and the others get each leaf's
-//! triangles one by one, which never are in memory together.
-//! What is written is checked before the first byte, so an error after it is the writer's own.
+//! USD writes instances, and glTF on request ([`GlbOptions::with_instancing`]); glTF by default and the
+//! others get each leaf's triangles one by one, which never are in memory together. All input is checked
+//! before the first byte is written, so an error after it is the writer's own.
 
 mod axes;
 pub mod gltf;
@@ -107,7 +107,7 @@ impl ExportError {
     }
 }
 
-/// Whether there is a triangle, and everything is sound.
+/// Checks that there is a triangle, and that everything is sound.
 fn check_parts(parts: &[Part<'_>]) -> Result<(), ExportError> {
     parts.iter().try_for_each(Part::check::<ExportError>)?;
     if parts.iter().all(|part| part.triangles() == 0) {
@@ -116,7 +116,8 @@ fn check_parts(parts: &[Part<'_>]) -> Result<(), ExportError> {
     Ok(())
 }
 
-/// Whether there is a triangle, everything is sound, and everything has its place. Each tree is looked at once, wherever it stands.
+/// Checks that there is a triangle, everything is sound, and everything is within range where it stands. Each
+/// tree is checked once, however often it stands in the scene.
 fn check_scene(scene: &Scene<'_>) -> Result<(), ExportError> {
     let mut reaches = BTreeMap::new();
     let mut triangles = 0;

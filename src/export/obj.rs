@@ -10,8 +10,9 @@ use std::io::{self, Write};
 /// Writes all parts, instances multiplied out one by one, for OBJ knows none. `materials` is the name of the file that
 /// [`write_mtl`] writes, as it is found from this one, in one line without a break.
 ///
-/// Metres, +Y up, unless [`write_obj_with`] is told otherwise. OBJ knows no tints. Textures' v goes up, as OBJ has it, so it is 1 less this crate's. Every number reads back as the same
-/// bits. O(vertices + triangles) time, O(1) memory.
+/// Metres, +Y up, unless other axes are passed to [`write_obj_with`]. OBJ knows no tints. Textures' v goes
+/// up, as OBJ has it, so it is 1 less this crate's. Every number reads back as the same bits. O(vertices +
+/// triangles) time, O(1) memory.
 ///
 /// ```
 /// use treesynth::{export, glam::Vec3, surface::{Mesh, Part}};
@@ -86,10 +87,11 @@ pub fn write_obj_with(
     Ok(())
 }
 
-/// Writes the materials of the parts: linear colour (`Kd`), no highlight, roughness (`Pr`, as exporters of physically
-/// based materials write it), and the images that they wear: colour (`map_Kd`), cut out by its alpha (`map_d`), normals
-/// (`norm`, and `map_Bump`, which Blender reads as normals) and roughness (`map_Pr`). `mtl_images` (feature `texture`) has the images,
-/// which belong beside this file under their names. Light from behind is left out: MTL has no word for it.
+/// Writes the materials of the parts: linear colour (`Kd`), no highlight, roughness (`Pr`, as exporters of
+/// physically based materials write it), and the images that they wear: colour (`map_Kd`), cut out by its
+/// alpha (`map_d`), normals (`norm`, and `map_Bump`, which Blender reads as normals) and roughness
+/// (`map_Pr`). `mtl_images` (feature `texture`) has the images, which belong next to this file under their
+/// names. Light from behind is left out: MTL has no word for it.
 ///
 /// # Errors
 /// As of [`write_obj`].
@@ -119,7 +121,8 @@ pub fn write_mtl(parts: &[Part<'_>], writer: impl Write) -> Result<(), ExportErr
 /// Properties that MTL has a word for.
 const MAPS: &[Map] = &[Map::Color, Map::Normal, Map::Roughness];
 
-/// The images that the file of [`write_mtl`] names, each once, to be written beside it. Roughness is a grey image of its own.
+/// The images that the file of [`write_mtl`] names, each once, to be written next to it. Roughness is a grey
+/// image of its own.
 ///
 /// ```
 /// use treesynth::export::{mtl_images, write_mtl};

@@ -9,7 +9,7 @@ use std::io::{self, Write};
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 #[non_exhaustive]
 pub enum PlyFormat {
-    /// `binary_little_endian`: 27 bytes a vertex, 8 more with texture coordinates, 13 a triangle.
+    /// `binary_little_endian`: 27 bytes per vertex, 8 more with texture coordinates, 13 per triangle.
     #[default]
     Binary,
     /// `ascii`, for eyes and scripts. Every number reads back as the same bits.
@@ -19,7 +19,8 @@ pub enum PlyFormat {
 /// Writes all parts as one list of vertices and one of triangles, instances multiplied out one by one. The parts'
 /// colours go to the vertices (sRGB), times the vertices' own and the copies' tints; texture coordinates `s` and `t` are there if every part has them, `t` going up.
 ///
-/// Metres, +Y up, unless [`write_ply_with`] is told otherwise. O(vertices + triangles) time, O(1) memory.
+/// Metres, +Y up, unless other axes are passed to [`write_ply_with`]. O(vertices + triangles) time, O(1)
+/// memory.
 ///
 /// ```
 /// use treesynth::export::{self, PlyFormat};

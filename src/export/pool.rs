@@ -1,18 +1,18 @@
-//! What is the same is written once.
+//! Equal meshes and images are written once.
 
 use super::worn::Image;
 use crate::surface::{Instance, Mesh};
 use std::collections::BTreeMap;
 
-/// Things told apart by what they hold, not by where they lie in memory.
+/// Things that are compared by content, not by their place in memory.
 #[derive(Debug)]
 pub(super) struct Pool<'a, T: ?Sized> {
     items: Vec<&'a T>,
-    /// Those with the same gist, which mostly is one.
+    /// Items with the same gist, usually one.
     gists: BTreeMap<Gist, Vec<usize>>,
 }
 
-/// Sizes and a few numbers: what differs in these differs.
+/// Sizes and a few numbers: items that differ in these are different.
 type Gist = [u32; 8];
 
 /// Key that is compared by a few bytes first, and then in full.

@@ -1,14 +1,16 @@
 //! STL, the binary kind (`.stl`): triangles and nothing else, for printing and solvers.
 //!
-//! A header of 80 bytes, the number of triangles, and 50 bytes a triangle: its normal, its corners, two bytes unused.
+//! A header of 80 bytes, the number of triangles, and 50 bytes per triangle: its normal, its corners, two
+//! bytes unused.
 
 use super::{Axes, ExportError, check_parts};
 use crate::surface::Part;
 use glam::Vec3;
 use std::io::{self, Write};
 
-/// Writes the triangles of all parts, instances multiplied out one by one. Normals are those of the triangles. STL knows
-/// no unit and no axis; the numbers are metres and +Y is up, unless [`write_stl_with`] is told otherwise.
+/// Writes the triangles of all parts, instances multiplied out one by one. Normals are those of the
+/// triangles. STL knows no unit and no axis; the numbers are metres and +Y is up, unless other axes are
+/// passed to [`write_stl_with`].
 ///
 /// O(triangles) time, O(vertices of the largest mesh) memory.
 ///

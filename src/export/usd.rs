@@ -40,7 +40,7 @@ pub struct UsdStage<'a> {
 }
 
 impl UsdStage<'_> {
-    /// What [`with_name`](Self::with_name) sets.
+    /// The name set by [`with_name`](Self::with_name).
     pub fn name(&self) -> &str {
         &self.name
     }
@@ -133,11 +133,11 @@ impl<'a> UsdStage<'a> {
     }
 }
 
-/// Writes a stage as text. Instances are points of a `PointInstancer`, their rotations in 16-bit floats, as USD has them; tints
-/// are its `displayColor`, which parts without an image of their colour are drawn in; a mesh with colours of its own and tinted copies is
-/// written once with all of them in it, for the two cannot be multiplied. Images are named as `usd_images` (feature
-/// `texture`) gives them, and belong beside the file. What `UsdPreviewSurface` has no word for is left out: light from behind,
-/// tangents, wind.
+/// Writes a stage as text. Instances are points of a `PointInstancer`, their rotations in 16-bit floats, as
+/// USD has them; tints are its `displayColor`, which parts without an image of their colour are drawn in; a
+/// mesh with colours of its own and tinted copies is written once with all of them in it, since the two
+/// cannot be multiplied. Images are named as `usd_images` (feature `texture`) gives them, and belong next to
+/// the file. Data that `UsdPreviewSurface` cannot express is left out: light from behind, tangents, wind.
 ///
 /// O(vertices + triangles + instances) time; O(instances) memory, and that of the copies which are written as one mesh.
 ///
@@ -179,7 +179,7 @@ pub fn write_usdz(stage: &UsdStage<'_>, writer: impl Write) -> Result<(), Export
     Ok(())
 }
 
-/// The images that the text of [`write_usda`] names, each once, to be written beside it.
+/// The images that the text of [`write_usda`] names, each once, to be written next to it.
 #[cfg(feature = "texture")]
 pub fn usd_images<'a>(stage: &UsdStage<'a>) -> Vec<super::ImageFile<'a>> {
     stage.uses().files()

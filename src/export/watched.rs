@@ -6,11 +6,12 @@ use std::io::{self, Write};
 /// Bytes from one report to the next.
 const CHUNK: u64 = 1 << 17;
 
-/// A writer that tells an observer how much has been written, and stops when told to: around the writer of any exporter.
+/// A writer that reports progress to an observer, which can cancel the work. It wraps the writer of any
+/// exporter.
 ///
-/// After the observer's `Break` every write fails, and the exporter ends with [`ExportError::Cancelled`](super::ExportError):
-/// the file is cut off, and up to the caller to remove. What is checked before the first byte is not watched; it takes some
-/// nanoseconds a vertex.
+/// After the observer's `Break` every write fails, and the exporter ends with
+/// [`ExportError::Cancelled`](super::ExportError): the file is cut off, and up to the caller to remove. The
+/// checks before the first byte are not watched; they take some nanoseconds per vertex.
 ///
 /// ```
 /// use std::ops::ControlFlow;
@@ -42,12 +43,12 @@ impl<W: std::fmt::Debug> std::fmt::Debug for Watched<'_, W> {
 }
 
 impl<'a, W: Write> Watched<'a, W> {
-    /// Of a file of unknown size: the fraction told comes nearer and nearer to 1.
+    /// A writer for a file of unknown size: the reported fraction approaches 1.
     pub fn new(writer: W, observer: &'a dyn Observer) -> Self {
         Self { writer, observer, bytes: 0, written: 0, next: 0, is_cancelled: false }
     }
 
-    /// Of a file of about so many bytes: the fraction told is that of these.
+    /// Sets the expected size of the file, bytes: the fraction reported is that of these.
     #[must_use]
     pub fn with_bytes(mut self, bytes: u64) -> Self {
         self.bytes = bytes;

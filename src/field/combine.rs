@@ -61,7 +61,7 @@ impl<F> Sum<F> {
         self.terms.len()
     }
 
-    /// Whether there are no fields to add up.
+    /// `true` if there are no fields to add up.
     pub fn is_empty(&self) -> bool {
         self.terms.is_empty()
     }

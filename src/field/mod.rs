@@ -51,7 +51,7 @@ use crate::ParameterError;
 ///   arbitrary. Where the field is undefined, at a singularity, it returns zero, which pulls nowhere.
 /// - `check` refuses parameters that break the above. It is called once, where synthesis starts.
 ///
-/// Whether the length of the vector matters is up to who asks; the fields for whole trees have length 1.
+/// The caller decides whether the length of the vector matters; the fields for whole trees have length 1.
 ///
 /// # A field of your own
 ///

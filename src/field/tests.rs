@@ -1,4 +1,4 @@
-//! What every field must keep, over one list of fields.
+//! The contract of every field, checked over one list of fields.
 
 use glam::Vec3;
 use proptest::prelude::*;

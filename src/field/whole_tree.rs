@@ -45,8 +45,8 @@ enum Rise {
 }
 
 impl Helix {
-    /// The helix about the vertical line through `center` (metres, at most 1e6 from 0 on each axis) that climbs
-    /// `pitch` metres a turn.
+    /// The helix about the vertical line through `center` (metres, at most 1e6 from 0 on each axis) that
+    /// climbs `pitch` metres per turn.
     ///
     /// Positive pitches, from 1e-6 to 1e6, are right-handed (anticlockwise seen from above), negative ones
     /// left-handed. Both climb.

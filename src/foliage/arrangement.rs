@@ -21,7 +21,8 @@ pub enum Arrangement {
     Opposite,
     /// Pairs, each at a right angle to the one before: maple, ash, horse chestnut.
     Decussate,
-    /// So many at one height, at least 1, each whorl in the gaps of the one before: juniper, oleander.
+    /// This number of leaves at one height, at least 1, each whorl in the gaps of the one before: juniper,
+    /// oleander.
     Whorled(u32),
     /// One at a time, each turned by this angle (radians) from the one before: oak, poplar, spruce.
     /// [`SPIRAL`](Self::SPIRAL) has the usual angle.
@@ -52,7 +53,7 @@ impl Arrangement {
         }
     }
 
-    /// Whether all leaves of a twig lie in one plane.
+    /// `true` if all leaves of a twig lie in one plane.
     pub(super) fn is_flat(self) -> bool {
         matches!(self, Self::Alternate | Self::Opposite)
     }

@@ -1,4 +1,4 @@
-//! What a leaf looks like.
+//! The look of a leaf.
 
 use super::sketch::{self, Blade, Sketch};
 use crate::math;
@@ -8,9 +8,10 @@ use std::f32::consts::TAU;
 
 /// One leaf, or a twig with its leaves: a mesh and how it looks.
 ///
-/// The mesh stands as it would on a twig that grows at its origin: the foot at the origin, the midrib along +Y, the
-/// upper side towards +Z. The leaves built in are 1 long from the foot of the blade to its tip, without the petiole;
-/// their triangles are seen from both sides through their [`Material`], so that none is doubled.
+/// The mesh stands as it would on a twig that grows at its origin: the base at the origin, the midrib along
+/// +Y, the upper side towards +Z. The leaves built in are 1 long from the base of the blade to its tip,
+/// without the petiole; their triangles are seen from both sides through their [`Material`], so that none is
+/// doubled.
 ///
 /// ```
 /// use treesynth::foliage::Leaf;
@@ -29,8 +30,8 @@ pub struct Leaf {
 }
 
 impl Leaf {
-    /// A leaf, twig or flower of your own, in the green of [`Material::leaf`]; its foot at the origin, the midrib
-    /// along +Y, the upper side towards +Z.
+    /// A leaf, twig or flower of your own, in the green of [`Material::leaf`]; its base at the origin, the
+    /// midrib along +Y, the upper side towards +Z.
     pub fn new(mesh: Mesh) -> Self {
         Self { mesh, material: Material::leaf() }
     }
@@ -50,7 +51,7 @@ impl Leaf {
         Self::of(&[Blade::along(&[(0.0, 0.0), (0.3, 0.085), (0.65, 0.075), (1.0, 0.0)]).curled(0.14)])
     }
 
-    /// Five pointed lobes that spread from the foot: maple, plane, sweet gum. 13 triangles.
+    /// Five pointed lobes that spread from the base: maple, plane, sweet gum. 13 triangles.
     pub fn lobed() -> Self {
         let mut sketch = Sketch::default();
         sketch.star(
@@ -121,9 +122,9 @@ impl Leaf {
         Self::new(sketch.finish())
     }
 
-    /// Moves the mesh so far out along +Y and puts a stalk under it, a thirtieth of the mesh's length wide; 2
-    /// triangles. In the mesh's own unit, so 0.3 on a built-in leaf is 0.3 of the blade's length. Nothing happens if
-    /// `length` is not positive and finite, or there is no mesh.
+    /// Moves the mesh by `length` along +Y and puts a stalk under it, a thirtieth of the mesh's length wide;
+    /// 2 triangles. In the mesh's own unit, so 0.3 on a built-in leaf is 0.3 of the blade's length. Nothing
+    /// happens if `length` is not positive and finite, or there is no mesh.
     pub fn with_petiole(mut self, length: f32) -> Self {
         if let Some(bounds) = self.mesh.bounds().filter(|_| length > 0.0 && length.is_finite()) {
             sketch::add_petiole(&mut self.mesh, length, bounds.size().y / 60.0);

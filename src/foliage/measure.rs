@@ -1,4 +1,4 @@
-//! What botanists measure on leaves.
+//! The measures that botanists take on leaves.
 
 use super::Leaves;
 use crate::Skeleton;
@@ -7,7 +7,8 @@ use crate::metrics::projected_area;
 use glam::Vec3;
 
 impl Leaves {
-    /// One-sided area of all leaves, square metres: of the triangles of each, so that what is folded counts in full. O(leaves).
+    /// One-sided area of all leaves, square metres: that of the triangles of each, so that folded leaves
+    /// count in full. O(leaves).
     pub fn area(&self) -> f64 {
         let squares = self.instances.iter().map(|leaf| f64::from(leaf.scale) * f64::from(leaf.scale));
         f64::from(self.leaf.mesh().area()) * squares.sum::<f64>()
@@ -20,8 +21,8 @@ impl Leaves {
         (ground > 0.0).then(|| self.area() / ground)
     }
 
-    /// How far each leaf is from level, radians: 0 for a leaf that lies flat, whichever side is up, π/2 for one that hangs or
-    /// stands. In the order of the instances.
+    /// Inclination of each leaf from the horizontal, radians: 0 for a leaf that lies flat, whichever side is
+    /// up, π/2 for one that hangs or stands. In the order of the instances.
     pub fn inclinations(&self) -> impl ExactSizeIterator<Item = f32> + '_ {
         self.instances.iter().map(|leaf| {
             let normal = leaf.rotation_matrix() * Vec3::Z;

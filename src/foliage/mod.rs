@@ -68,15 +68,16 @@ pub enum FoliageError {
         /// An upper bound of the leaves before thinning.
         leaves: f64,
     },
-    /// So far from the origin that 32-bit floats cannot tell the corners of a leaf apart.
+    /// A leaf is so far from the origin that 32-bit floats cannot tell its corners apart.
     #[error(
-        "at {position} m 32-bit floats have steps of {step} m, which no leaf of {length} m keeps its shape on; take an offset off \
-         the positions, such as the trunk base, place leaves there, and move them where numbers have more digits"
+        "at {position} m 32-bit floats have steps of {step} m, too coarse for the shape of a leaf of {length} m; \
+         subtract an offset, such as the trunk base, from the positions, place leaves there, and move them back in \
+         64-bit numbers"
     )]
     Shapeless {
-        /// Where a leaf is, metres.
+        /// Position of the leaf, metres.
         position: Vec3,
-        /// What is between one number and the next there, metres.
+        /// Distance between neighbouring 32-bit floats there, metres.
         step: f32,
         /// The size of the leaf, metres.
         length: f32,
@@ -100,7 +101,7 @@ pub struct Leaves {
 }
 
 impl Leaves {
-    /// To be written or drawn, under the name `leaves`.
+    /// The leaves as a part named `leaves`, to be written or drawn.
     pub fn part(&self) -> Part<'_> {
         Part::new(self.leaf.mesh())
             .with_name("leaves")
@@ -115,8 +116,8 @@ impl Leaves {
 /// the branch's radius there. They leave the axis at an [angle](Self::with_angle), rise or hang, and turn about their
 /// midribs to the light. No leaf stands inside of the branch that bears the twig.
 ///
-/// Random numbers are drawn for each leaf from its branch and its number on it, so leaves stay where they are when
-/// others are [thinned](Self::with_kept) out. O(nodes + leaves) time; 48 bytes of memory a leaf.
+/// Random numbers are drawn for each leaf from its branch and its number on it, so leaves stay where they are
+/// when others are [thinned](Self::with_kept) out. O(nodes + leaves) time; 48 bytes of memory per leaf.
 #[must_use]
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
@@ -140,7 +141,7 @@ pub struct Foliage {
 }
 
 impl Foliage {
-    /// What [`with_material`](Self::with_material) sets: the leaf's material.
+    /// The leaf's material, set by [`with_material`](Self::with_material).
     pub fn material(&self) -> Material {
         self.leaf.material()
     }
@@ -208,15 +209,15 @@ impl Foliage {
         self
     }
 
-    /// How large the leaf at the very tip is, beside those where leaves begin, positive; in between linear. Default
-    /// 0.7.
+    /// Size of the leaf at the very tip relative to those where leaves begin, positive; in between linear.
+    /// Default 0.7.
     pub fn with_size_at_tip(mut self, ratio: f32) -> Self {
         self.size_at_tip = ratio;
         self
     }
 
-    /// How large leaves are beside those on the branch that bears theirs, positive: to the power of the
-    /// [order](Skeleton::orders). Default 1: all alike.
+    /// Size of leaves relative to those on the parent branch, positive: leaves have this ratio to the power
+    /// of the branch [order](Skeleton::orders) as a factor. Default 1: all alike.
     pub fn with_size_by_order(mut self, ratio: f32) -> Self {
         self.size_by_order = ratio;
         self
@@ -228,8 +229,9 @@ impl Foliage {
         self
     }
 
-    /// How far from the farthest tip it bears a place may still have leaves, metres along the branches, positive;
-    /// default 0.6. The tips' twigs are leafy, the limbs are bare.
+    /// Greatest distance of leaves from the tips: a place has leaves if the farthest tip that it bears is no
+    /// farther than this, metres along the branches, positive; default 0.6. The tips' twigs are leafy, the
+    /// limbs are bare.
     pub fn with_reach(mut self, metres: f32) -> Self {
         self.reach = metres;
         self
@@ -247,8 +249,8 @@ impl Foliage {
         self
     }
 
-    /// How far leaves rise towards up or, if negative, hang: so much of the up vector is added to their direction, -10
-    /// to 10; default 0.
+    /// Multiple of the up vector that is added to the direction of leaves, -10 to 10: they rise or, if
+    /// negative, hang. Default 0.
     pub fn with_rise(mut self, rise: f32) -> Self {
         self.rise = rise;
         self
@@ -260,8 +262,8 @@ impl Foliage {
         self
     }
 
-    /// How far blades turn about their midribs to the light, 0 (their upper side to the twig's tip, as they grew) to 1
-    /// (all the way); default 0.7.
+    /// Share by which blades turn about their midribs to the light, 0 (their upper side faces the twig's tip,
+    /// as they grew) to 1 (all the way); default 0.7.
     pub fn with_turn(mut self, share: f32) -> Self {
         self.turn = share;
         self
@@ -309,7 +311,7 @@ impl Foliage {
         self.place_observed(skeleton, seed, &Silent)
     }
 
-    /// As [`place`](Self::place), telling `observer` how far it is and stopping when told to.
+    /// As [`place`](Self::place), reporting progress to `observer`, which can cancel the work.
     ///
     /// # Errors
     /// As [`place`](Self::place), and [`FoliageError::Cancelled`].
@@ -325,7 +327,7 @@ impl Foliage {
         Ok(leaves)
     }
 
-    /// The same, a step a leaf and one for four nodes.
+    /// As [`place`](Self::place), with one step per leaf and one per four nodes.
     pub(crate) fn place_watched(
         &self,
         skeleton: &Skeleton,

@@ -5,7 +5,8 @@ use crate::shape::Bounds;
 use crate::surface::Mesh;
 use glam::Vec3;
 
-/// How steeply the bending sets in, as a leaf turns from edge-on to the crown's surface to lying in it.
+/// Steepness with which the bending sets in, as a leaf turns from edge-on to the crown's surface to lying in
+/// it.
 const ONSET: f32 = 4.0;
 
 /// Bends the normals of a crown's merged leaves or cards outwards, so that light falls on the crown as on a round body and

@@ -9,7 +9,8 @@ use crate::surface::{Instance, is_far, step};
 use glam::{Mat3, Quat, Vec3};
 use std::f32::consts::TAU;
 
-/// A leaf is at least so many steps of 32-bit floats long, so that it keeps its shape where it is copied to its place.
+/// Least length of a leaf in steps of 32-bit floats, so that it keeps its shape where it is copied to its
+/// place.
 const LEAST: f32 = 8.0;
 
 /// Leaves placed from one report to the next.
@@ -66,7 +67,7 @@ pub(super) fn place(
     Ok(leaves)
 }
 
-/// From each node to the farthest tip it bears, metres along the branches.
+/// Distance from each node to the farthest tip it bears, metres along the branches.
 fn farthest_tips(skeleton: &Skeleton) -> Vec<f32> {
     let mut farthest = vec![0.0f32; skeleton.len()];
     let positions = skeleton.positions();
@@ -89,8 +90,8 @@ struct Twig<'a> {
 }
 
 impl<'a> Twig<'a> {
-    /// `None` if there is no room for leaves. Leafy is where the branch is thin enough, near enough to the tips it
-    /// bears, and outside of the branch that bears it.
+    /// `None` if there is no room for leaves. Leaves stand where the branch is thin enough, near enough to
+    /// the tips it bears, and outside of its parent branch.
     fn new(
         foliage: &'a Foliage,
         skeleton: &'a Skeleton,
@@ -124,7 +125,8 @@ impl<'a> Twig<'a> {
     fn internode(&self, i: usize) -> Internode {
         let (positions, radii) = (self.skeleton.positions(), self.skeleton.radii());
         let [from, to] = [self.nodes[i - 1], self.nodes[i]].map(|node| node as usize);
-        // As the surface has it: a branch starts with the radius of its first internode, the trunk with its foot's.
+        // As the surface has it: a branch starts with the radius of its first internode, the trunk with that
+        // of its base.
         let start = if i > 1 || self.number == 0 { radii[from] } else { radii[to] };
         let way = positions[to] - positions[from];
         Internode {
@@ -219,7 +221,7 @@ impl<'a> Twig<'a> {
         let towards = adaxial.lerp(light.normalize_or(UP), turn)
             + along.cross(outward) * self.disorder(seed, Draw::Turn, number)
             + outward * self.disorder(seed, Draw::Lean, number);
-        // What is left of a vector along the midrib is rounding.
+        // The part of a vector along the midrib is rounding.
         let upper = |v: Vec3| {
             let across = v - midrib * v.dot(midrib);
             (across.length_squared() > 1e-6 * v.length_squared()).then(|| across.normalize())
@@ -263,7 +265,7 @@ struct Internode {
     tip: Vec3,
     length: f32,
     direction: Vec3,
-    /// At its lower and at its upper end, metres.
+    /// Radii at its lower and at its upper end, metres.
     radii: [f32; 2],
     farthest: f32,
 }

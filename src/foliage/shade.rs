@@ -14,13 +14,14 @@ const SHOWN: f32 = 0.5;
 const FROM_BELOW: f32 = 0.25;
 
 impl Leaves {
-    /// Darkens leaves by how deep they are in the crown: their [tint](crate::surface::Instance::tint) is multiplied by
-    /// `1 - strength·(1 - light)`, where light is what reaches them through the other leaves in the part of the brightest
-    /// leaf. `strength` is 0 (nothing changes) to 1.
+    /// Darkens leaves by how deep they are in the crown: their [tint](crate::surface::Instance::tint) is
+    /// multiplied by `1 - strength·(1 - light)`, where `light` is the light that reaches them through the
+    /// other leaves, as a share of that of the brightest leaf. `strength` is 0 (nothing changes) to 1.
     ///
-    /// Light comes from 14 directions, from above four times as much as from below, and gets less by Beer and Lambert's
-    /// law: by exp(-area / 2) for each square metre of leaves a square metre, on a grid of at most 24 cells a side.
-    /// O(leaves + cells) time. It is occlusion of the sky, not a shadow of the sun.
+    /// Light comes from 14 directions, from above four times as much as from below, and is absorbed by Beer
+    /// and Lambert's law, as exp(-area / 2) for `area` square metres of leaves per square metre, on a grid of
+    /// at most 24 cells per side. O(leaves + cells) time. It is occlusion of the sky, not a shadow of the
+    /// sun.
     ///
     /// ```
     /// use treesynth::foliage::{Foliage, Leaf};
@@ -55,12 +56,12 @@ pub(crate) struct Canopy {
     cell: f32,
     size: IVec3,
     lights: Vec<f32>,
-    /// What reaches the leaf that has most of it.
+    /// The light that reaches the brightest leaf.
     brightest: f32,
 }
 
 impl Canopy {
-    /// Of leaves of all kinds; `None` if there is no crown, or one without extent.
+    /// The canopy of leaves of all kinds; `None` if there is no crown, or one without extent.
     pub(crate) fn of(all: &[Leaves]) -> Option<Self> {
         let positions = || all.iter().flat_map(|leaves| &leaves.instances).map(|leaf| leaf.position);
         let bounds = Bounds::of(positions());
@@ -71,7 +72,7 @@ impl Canopy {
         let size = (bounds.size() / cell).as_ivec3() + IVec3::ONE;
         let cells = (size.x * size.y * size.z) as usize;
         let mut canopy = Self { low: bounds.min, cell, size, lights: vec![0.0; cells], brightest: 0.0 };
-        // Square metres of leaves a cubic metre.
+        // Square metres of leaves per cubic metre.
         let mut densities = vec![0.0f32; cells];
         for leaves in all {
             let area = leaves.leaf.mesh().area();
@@ -95,7 +96,8 @@ impl Canopy {
         Some(canopy)
     }
 
-    /// By what colours at a point are multiplied: 1 where it is brightest, down to `1 - strength` where no light comes.
+    /// Factor on the colours at a point: 1 where it is brightest, down to `1 - strength` where no light
+    /// comes.
     pub(crate) fn factor(&self, point: Vec3, strength: f32) -> f32 {
         let light = if self.brightest > 0.0 { (self.light(point) / self.brightest).min(1.0) } else { 1.0 };
         1.0 - strength * (1.0 - light)
@@ -121,7 +123,7 @@ impl Canopy {
         light
     }
 
-    /// Between the middles of cells.
+    /// Light at a point, interpolated between the middles of cells.
     fn light(&self, point: Vec3) -> f32 {
         let at = (point - self.low) / self.cell - 0.5;
         let (first, part) = (at.floor(), at - at.floor());

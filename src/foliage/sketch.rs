@@ -9,12 +9,13 @@ use std::f32::consts::TAU;
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Blade<'a> {
     /// Start of the midrib.
-    pub(super) foot: Vec3,
+    pub(super) base: Vec3,
     /// The midrib, as long as the blade.
     pub(super) along: Vec3,
     /// The upper side; of length 1, perpendicular to the midrib.
     pub(super) up: Vec3,
-    /// How far along the midrib, and half the width there, in lengths of the blade. First and last have no width.
+    /// Distances along the midrib, and half the width there, in lengths of the blade. The first and the last
+    /// have no width.
     pub(super) profile: &'a [(f32, f32)],
     /// Sine of the angle by which either half is lifted off the plane.
     pub(super) fold: f32,
@@ -25,7 +26,7 @@ pub(super) struct Blade<'a> {
 impl<'a> Blade<'a> {
     /// A blade 1 long on +Y, a little folded and hanging.
     pub(super) fn along(profile: &'a [(f32, f32)]) -> Self {
-        Self { foot: Vec3::ZERO, along: Vec3::Y, up: Vec3::Z, profile, fold: 0.3, curl: 0.08 }
+        Self { base: Vec3::ZERO, along: Vec3::Y, up: Vec3::Z, profile, fold: 0.3, curl: 0.08 }
     }
 
     pub(super) fn curled(self, curl: f32) -> Self {
@@ -33,7 +34,7 @@ impl<'a> Blade<'a> {
     }
 }
 
-/// Leaflets in outline: a foot, one broadest place, a tip.
+/// Outline of leaflets: the base, the broadest place, the tip.
 const LEAFLET: [(f32, f32); 3] = [(0.0, 0.0), (0.42, 0.17), (1.0, 0.0)];
 
 /// A mesh in the making.
@@ -49,18 +50,18 @@ impl Sketch {
         self.positions.len() as u32 - 1
     }
 
-    /// Between its ends a blade has three vertices a station: right, midrib, left, seen from above.
+    /// Between its ends a blade has three vertices per station: right, midrib, left, seen from above.
     pub(super) fn blade(&mut self, blade: &Blade<'_>) {
         let length = blade.along.length();
         let across = blade.along.cross(blade.up);
         let flat = (1.0 - blade.fold * blade.fold).sqrt();
         let mut before: Option<[u32; 3]> = None;
         for &(t, width) in blade.profile {
-            let rib = blade.foot + blade.along * t - blade.up * (blade.curl * length * t * t);
+            let rib = blade.base + blade.along * t - blade.up * (blade.curl * length * t * t);
             let lifted = blade.up * (width * blade.fold * length);
             let here = if width > 0.0 {
                 let right = self.vertex(rib + across * (width * flat) + lifted);
-                // What is flat needs no midrib.
+                // A flat blade needs no midrib.
                 let middle = if blade.fold > 0.0 { self.vertex(rib) } else { right };
                 [right, middle, self.vertex(rib - across * (width * flat) + lifted)]
             } else {
@@ -77,8 +78,8 @@ impl Sketch {
         }
     }
 
-    /// A blade seen from +Z whose right half has this outline, from the tip to the foot, as (x, y); all of it can be
-    /// seen from `middle`.
+    /// A blade seen from +Z whose right half has this outline, from the tip to the base, as (x, y); all of it
+    /// can be seen from `middle`.
     pub(super) fn star(&mut self, middle: Vec3, right: &[(f32, f32)]) {
         let center = self.vertex(middle);
         // Points far out hang, as the tips of lobes do.
@@ -93,9 +94,9 @@ impl Sketch {
     }
 
     /// A straight stalk, `half_width` to either side.
-    fn stalk(&mut self, foot: Vec3, top: Vec3, up: Vec3, half_width: f32) {
-        let across = (top - foot).normalize_or_zero().cross(up) * half_width;
-        let [a, b, c, d] = [foot - across, foot + across, top + across, top - across].map(|p| self.vertex(p));
+    fn stalk(&mut self, base: Vec3, top: Vec3, up: Vec3, half_width: f32) {
+        let across = (top - base).normalize_or_zero().cross(up) * half_width;
+        let [a, b, c, d] = [base - across, base + across, top + across, top - across].map(|p| self.vertex(p));
         self.triangle(a, b, c);
         self.triangle(a, c, d);
     }
@@ -131,7 +132,7 @@ pub(super) fn pinnate(pairs: u32) -> Mesh {
     let mut sketch = Sketch::default();
     let end = Vec3::Y * 0.74;
     sketch.stalk(Vec3::ZERO, end, Vec3::Z, 0.012);
-    let leaflet = |foot: Vec3, along: Vec3| Blade { foot, along, ..Blade::along(&LEAFLET) };
+    let leaflet = |base: Vec3, along: Vec3| Blade { base, along, ..Blade::along(&LEAFLET) };
     for pair in 0..pairs {
         let t = 0.2 + 0.5 * pair as f32 / (pairs - 1).max(1) as f32;
         // Those in the middle are the longest.
@@ -163,13 +164,13 @@ pub(super) fn shoot(needles: u32) -> Mesh {
         let t = needle as f32 / (needles - 1).max(1) as f32;
         let turn = math::Rotation::new(needle as f32 * super::Arrangement::SPIRAL.divergence() % TAU);
         let outward = turn.about(Vec3::Y, Vec3::X);
-        // From square to the shoot at its foot to along it at its end.
+        // At right angles to the shoot at its base, and along it at its end.
         let (sin, cos) = math::sin_cos(1.2 * (1.0 - t));
         let direction = outward * sin + Vec3::Y * cos;
-        let foot = Vec3::Y * (0.72 * t);
+        let base = Vec3::Y * (0.72 * t);
         let up = Vec3::Y * sin - outward * cos;
         let profile = [(0.0, 0.0), (0.4, 0.05), (1.0, 0.0)];
-        sketch.blade(&Blade { foot, along: direction * 0.28, up, fold: 0.0, curl: 0.0, profile: &profile });
+        sketch.blade(&Blade { base, along: direction * 0.28, up, fold: 0.0, curl: 0.0, profile: &profile });
     }
     sketch.finish()
 }
@@ -182,7 +183,7 @@ pub(super) fn add_petiole(mesh: &mut Mesh, length: f32, half_width: f32) {
     let stalk = sketch.finish();
     let first = mesh.positions.len() as u32;
     if mesh.uvs.len() == mesh.positions.len() {
-        // Where a picture of a leaf has its midrib.
+        // The midrib's place in a picture of a leaf.
         mesh.uvs.extend([Vec2::new(0.5, 1.0); 4]);
     }
     mesh.positions.extend(stalk.positions);

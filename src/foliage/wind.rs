@@ -16,7 +16,7 @@ const FLUTTER: f32 = 0.25;
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub struct LeafWind {
-    /// Of the place where the leaf is attached.
+    /// Wind of the place where the leaf is attached.
     pub wind: Wind,
     /// Angles by which trunk, limb and twig turn there, radians at the strongest gust.
     pub angles: [f32; 3],
@@ -35,8 +35,9 @@ impl Leaves {
         self.instances.iter().map(of).collect()
     }
 
-    /// The leaves as the wind has moved and turned them; see [`Wind::blown`] for the time and the gust. What flutters is
-    /// turned about its base here, while a shader may bend it. Without wind all are where they were, bit by bit. O(leaves).
+    /// The leaves as the wind has moved and turned them; see [`Wind::blown`] for the time and the gust.
+    /// Fluttering leaves are turned about their base here, while a shader may bend them. Without wind all
+    /// leaves stay, to the bit. O(leaves).
     ///
     /// ```
     /// use treesynth::foliage::{Foliage, Leaf};

@@ -1,4 +1,4 @@
-//! What tells one species from another: the curves and limits of the paper.
+//! The parameters that distinguish species: the curves and limits of the paper.
 
 use super::curve::Curve;
 use super::phenology::Phenology;
@@ -7,8 +7,8 @@ use std::f32::consts::TAU;
 
 /// A species: the paper's functions G as [`Curve`]s, with their limits.
 ///
-/// `Architecture::default()` is the paper's, [`cottonwood`](Self::cottonwood); seven others stand beside it. A value is checked
-/// where growth starts.
+/// `Architecture::default()` is the paper's, [`cottonwood`](Self::cottonwood); there are seven others. A
+/// value is checked where growth starts.
 ///
 /// ```
 /// use treesynth::growth::{Curve, Architecture};
@@ -116,23 +116,24 @@ impl Architecture {
         self
     }
 
-    /// How many leaves, buds and laterals stand at each metamer, evenly around the axis, 1 to 8: 2 for opposite ones, and with a
-    /// [divergence](Self::with_divergence) of a right angle for decussate ones.
+    /// Number of leaves, buds and laterals at each metamer, spread evenly around the axis, 1 to 8: 2 for
+    /// opposite ones, together with a [divergence](Self::with_divergence) of a right angle for decussate
+    /// ones.
     pub fn with_whorl(mut self, count: u16) -> Self {
         self.whorl = count;
         self
     }
 
-    /// How likely a branch forks at the end of a year's shoot, 0 to 1: into itself and a twin that is as strong from then on,
-    /// both leaning away from each other.
+    /// Probability that a branch forks at the end of a year's shoot, 0 to 1: into itself and a twin that is
+    /// as strong from then on; the two lean away from each other.
     pub fn with_forking(mut self, chance: f32) -> Self {
         self.forking = chance;
         self
     }
 
-    /// How thick the trunk base is at the greatest age: its radius over the trunk's length if that is the
-    /// [greatest of a branch](Self::with_longest_branch), 0 to 1; otherwise as length to the power of 1.5, as elastic
-    /// similarity has it (`McMahon` 1973).
+    /// Thickness of the trunk base at the greatest age: its radius over the trunk's length if that length is
+    /// the [greatest of a branch](Self::with_longest_branch), 0 to 1; otherwise as length to the power of
+    /// 1.5, as elastic similarity has it (`McMahon` 1973).
     ///
     /// All other wood follows by the pipe model (Shinozaki and others 1964), `r^a` being in proportion to the number of
     /// metamers ever borne. Its exponent a, in [2, 2.4], is chosen so that the trunk base comes out as thick; twigs get
@@ -161,9 +162,9 @@ impl Architecture {
         self
     }
 
-    /// Turn of branches upwards or, if negative, downwards, the more the nearer to their tips: the weight of up at the tip
-    /// beside that of the heading, -4 to 4. The headings of the curves turn them towards the bearing branch instead, which
-    /// for twigs is not the light.
+    /// Turn of branches upwards or, if negative, downwards, the more the nearer to their tips: the weight of
+    /// up at the tip relative to that of the heading, -4 to 4. The headings of the curves turn them towards
+    /// the parent branch instead, which for twigs is not the light.
     pub fn with_tropism(mut self, share: f32) -> Self {
         self.tropism = share;
         self
@@ -176,9 +177,9 @@ impl Architecture {
         self
     }
 
-    /// `G_s1`: how long branches are beside the bearing branch, 0 to 10, over their relative position on it, when the
-    /// tree is young. What it says is divided by 1.5 for branches of order 1, by 2 for order 2, and so on
-    /// ([equation 12](super::equation::higher_order_length)).
+    /// `G_s1`: length of branches relative to the parent branch, 0 to 10, over their relative position on it,
+    /// when the tree is young. The value is divided by 1.5 for branches of order 1, by 2 for order 2, and so
+    /// on ([equation 12](super::equation::higher_order_length)).
     pub fn with_young_silhouette(mut self, curve: Curve) -> Self {
         self.young_silhouette = curve;
         self
@@ -190,8 +191,8 @@ impl Architecture {
         self
     }
 
-    /// `G_o1`: the angle between the places of a very short branch and its first heading, radians, -2.5 to 2.5, positive
-    /// towards the bearing branch, over the relative position on the branch.
+    /// `G_o1`: the angle between the places of a very short branch and its first heading, radians, -2.5 to
+    /// 2.5, positive towards the parent branch, over the relative position on the branch.
     pub fn with_short_heading(mut self, curve: Curve) -> Self {
         self.short_heading = curve;
         self
@@ -204,7 +205,8 @@ impl Architecture {
         self
     }
 
-    /// `G_bs`: the scale of branches, 0 to 1, over the relative position on the bearing branch at the greatest age.
+    /// `G_bs`: the scale of branches, 0 to 1, over the relative position on the parent branch at the greatest
+    /// age.
     pub fn with_branch_scale(mut self, curve: Curve) -> Self {
         self.branch_scale = curve;
         self
@@ -216,9 +218,9 @@ impl Architecture {
         self
     }
 
-    /// `G_m`: the number of metamers of a shoot, 0 to 1000, rounded and at least 1, over its length beside the longest
-    /// shoot of the trunk. It differs by up to two and a third of it where the longest laterals of successive years would
-    /// stand less than 40° apart.
+    /// `G_m`: the number of metamers of a shoot, 0 to 1000, rounded and at least 1, over its length relative
+    /// to the longest shoot of the trunk. It differs by up to two and a third of it where the longest
+    /// laterals of successive years would stand less than 40° apart.
     pub fn with_metamers(mut self, curve: Curve) -> Self {
         self.metamers = curve;
         self
@@ -230,8 +232,8 @@ impl Architecture {
         self
     }
 
-    /// The angle between a branch and the one that bears it, radians, 0.05 to 2.8, over the length of its first shoot
-    /// beside the longest shoot of the trunk.
+    /// The angle between a branch and its parent branch, radians, 0.05 to 2.8, over the length of its first
+    /// shoot relative to the longest shoot of the trunk.
     pub fn with_branching_angle(mut self, curve: Curve) -> Self {
         self.branching_angle = curve;
         self
@@ -279,7 +281,7 @@ impl Architecture {
         ]
     }
 
-    /// Whether all options are in range. O(points of the curves).
+    /// Checks that all options are in range. O(points of the curves).
     ///
     /// # Errors
     /// The first that is not.

@@ -108,7 +108,7 @@ impl Curve {
                 let weights = [u * u * u, 3.0 * u * u * t, 3.0 * u * t * t, t * t * t];
                 let sum = |axis: usize| (0..4).map(|i| weights[i] * cubic[i][axis]).sum::<f32>();
                 let point = if step == STEPS { cubic[3] } else { [sum(0), sum(1)] };
-                // Where the curve stands upright, its places coincide.
+                // Places coincide where the curve stands upright.
                 if point[0] - points[points.len() - 1][0] >= 1e-6 {
                     points.push(point);
                 }
@@ -249,8 +249,9 @@ mod tests {
         assert!((Curve::new([[0.0, 0.0], [1.0, 2.0]]).unwrap().at(0.25) - 0.5).abs() < 1e-6);
     }
 
-    /// By hand: secants 4 and 2, widths 0.25 and 0.75; p = (4·0.75 + 2·0.25) / 1 = 3.5, below 2·2; at the start
-    /// 4·1.25 - 2·0.25 = 4.5. At a half of the first piece: (4.5 - 3.5)·0.25/8 above the middle of 0 and 1.
+    /// Computed by hand: secants 4 and 2, widths 0.25 and 0.75; p = (4·0.75 + 2·0.25) / 1 = 3.5, below 2·2;
+    /// at the start 4·1.25 - 2·0.25 = 4.5. At a half of the first piece: (4.5 - 3.5)·0.25/8 above the middle
+    /// of 0 and 1.
     #[test]
     fn slopes_are_steffens() {
         let curve = Curve::new([[0.0, 0.0], [0.25, 1.0], [1.0, 2.5]]).unwrap();

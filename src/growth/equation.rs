@@ -13,8 +13,8 @@ pub fn grows_enough(before: f32, after: f32, least_shoot: f32) -> bool {
 
 /// Equation 6, `l_dy = l_py·((1 - t_y)·G_s1(x_y) + t_y·G_s2(x_y))`: the length that the silhouette wants of a branch.
 ///
-/// `parent` is the length of the branch that bears it in the same year, `time` the year as a part of the greatest age,
-/// and `young` and `mature` are the two silhouettes at the branch's relative position.
+/// `parent` is the length of its parent branch in the same year, `time` the year as a part of the greatest
+/// age, and `young` and `mature` are the two silhouettes at the branch's relative position.
 pub fn wanted_length(parent: f32, time: f32, young: f32, mature: f32) -> f32 {
     parent * ((1.0 - time) * young + time * mature)
 }
@@ -29,8 +29,8 @@ pub fn length_share(length: f32, longest: f32) -> f32 {
     (length / longest).min(1.0)
 }
 
-/// Equation 9, `θ = (1 - s_θ)·G_o1(x_y) + s_θ·G_o2(x_y)`: the angle between a segment and its branch's first heading,
-/// positive towards the bearing branch.
+/// Equation 9, `θ = (1 - s_θ)·G_o1(x_y) + s_θ·G_o2(x_y)`: the angle between a segment and its branch's first
+/// heading, positive towards the parent branch.
 ///
 /// `short` and `long` are the curves at the segment's relative position on its own branch.
 pub fn heading(share: f32, short: f32, long: f32) -> f32 {
@@ -75,8 +75,8 @@ pub fn metamers(metamers: &Curve, shoot: f32, longest_shoot: f32) -> u32 {
     (metamers.at(q) + 0.5).max(1.0) as u32
 }
 
-/// Equation 15, `s_b = G_ss(x_s)·s_bp·G_bs(x_max)`: the scale of a branch that springs at `on_shoot` of a shoot that lies
-/// at `at_end` of the bearing branch in its last year.
+/// Equation 15, `s_b = G_ss(x_s)·s_bp·G_bs(x_max)`: the scale of a branch that springs at `on_shoot` of a
+/// shoot that lies at `at_end` of the parent branch in its last year.
 pub fn lateral_scale(
     shoot_scale: &Curve,
     branch_scale: &Curve,

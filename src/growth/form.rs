@@ -12,13 +12,13 @@ use glam::Vec3;
 /// Metamers laid out from one report to the next.
 const METAMERS: usize = 4096;
 
-/// How much of its straying a branch keeps from one shoot to the next.
+/// Share of its random turn that a branch keeps from one shoot to the next.
 const KEPT: f32 = 0.7;
-/// The trunk strays less than branches.
+/// Random turn of the trunk, as a share of that of branches.
 const TRUNK: f32 = 1.0 / 3.0;
 /// Share of its lean from its twin that a branch keeps at its tip.
 const RIGHTED: f32 = 0.3;
-/// Leaves turn their colour in so many groups, so many parts of a year apart.
+/// Number of groups in which leaves change colour, and the time from one group to the next, in years.
 const TONES: u32 = 5;
 const TONE_STEP: f32 = 0.015;
 
@@ -35,7 +35,8 @@ pub struct TreeAtAge {
     pub leaves: Vec<Leaf>,
     /// The buds of the latest shoots: one in each leaf's axil, and one at each tip.
     pub buds: Vec<Bud>,
-    /// Whether each node of the skeleton is dead wood: its branch has died, is bare, and will break off.
+    /// For each node of the skeleton, `true` if it is dead wood: its branch has died, is bare, and will break
+    /// off.
     pub dead: Vec<bool>,
 }
 
@@ -52,7 +53,7 @@ impl TreeAtAge {
 pub struct Leaf {
     /// The node of the skeleton that bears it.
     pub node: u32,
-    /// Its foot, on the bark, metres.
+    /// Its base, on the bark, metres.
     pub position: Vec3,
     /// Direction of its midrib; of length 1.
     pub midrib: Vec3,
@@ -70,7 +71,7 @@ pub struct Leaf {
 pub struct Bud {
     /// The node of the skeleton that bears it.
     pub node: u32,
-    /// Its foot, metres.
+    /// Its base, metres.
     pub position: Vec3,
     /// Its direction; of length 1.
     pub direction: Vec3,
@@ -85,7 +86,7 @@ struct Base {
     node: u32,
     position: Vec3,
     heading: Vec3,
-    /// At right angles to the heading, towards the bearing branch.
+    /// Direction at right angles to the heading, towards the parent branch.
     inwards: Vec3,
 }
 
@@ -130,7 +131,7 @@ struct Layout<'a> {
     unfolded: Vec<Option<Unfolded>>,
     /// For each branch the pipes through its base; see [`Structure::pipes`](super::structure::Structure::pipes).
     pipes: Vec<f64>,
-    /// Of the branches that stand.
+    /// Bases of the branches that stand.
     bases: Vec<Option<Base>>,
     positions: Vec<Vec3>,
     parents: Vec<Option<u32>>,
@@ -222,12 +223,12 @@ impl<'a> Layout<'a> {
             let mut path = Path::new(growth, number, axis, base, length);
             let (year, progress) = (self.year, self.progress);
             let grown = growth.structure.metamers(axis, year, progress);
-            // Of the laterals above the node at hand.
+            // Pipes of the laterals above the current node.
             let mut lateral_pipes = self.pipes[number] - grown;
             if number == 0 {
                 self.radii[0] = growth.thickness.radius(self.pipes[0].max(1.0));
             }
-            let mut at = Foot { node: base.node, along: 0.0, position: base.position };
+            let mut at = Place { node: base.node, along: 0.0, position: base.position };
             let borne = growth.structure.borne_starts[number] as usize
                 ..growth.structure.borne_starts[number + 1] as usize;
             let mut borne = growth.structure.borne[borne].iter().copied().peekable();
@@ -247,7 +248,7 @@ impl<'a> Layout<'a> {
                     let unfolds =
                         |k: u32| sums.sums[k as usize] > if k > 0 { sums.sums[k as usize - 1] } else { 0.0 };
                     if i == last && !unfolds(k) {
-                        // Not yet unfolded, nor are those above it.
+                        // This metamer and those above it have not unfolded yet.
                         break;
                     }
                     let part = (k + 1) as f32 / metamers as f32;
@@ -305,7 +306,7 @@ impl<'a> Layout<'a> {
         self.unfolded[number].get_or_insert_with(|| Unfolded::new(phenology, progress, metamers))
     }
 
-    fn push(&mut self, at: Foot, radius: f32, year: u16, order: u16, id: u32) -> u32 {
+    fn push(&mut self, at: Place, radius: f32, year: u16, order: u16, id: u32) -> u32 {
         let node = self.positions.len() as u32;
         self.positions.push(at.position);
         self.parents.push(Some(at.node));
@@ -322,7 +323,7 @@ impl<'a> Layout<'a> {
     fn organs(
         &mut self,
         path: &Path<'_>,
-        at: Foot,
+        at: Place,
         direction: Vec3,
         radius: f32,
         year: u16,
@@ -367,7 +368,7 @@ impl<'a> Layout<'a> {
         self.leaves.push(Leaf { node: at.node, position, midrib, normal, length, color });
     }
 
-    fn apical_bud(&mut self, at: Foot, direction: Vec3, last: usize) {
+    fn apical_bud(&mut self, at: Place, direction: Vec3, last: usize) {
         let started = self.progress > 0.0;
         let phenology = &self.architecture.phenology;
         let growth = if started {
@@ -393,9 +394,9 @@ impl<'a> Layout<'a> {
     }
 }
 
-/// How far a branch has been laid out.
+/// The place up to which a branch has been laid out.
 #[derive(Debug, Clone, Copy)]
-struct Foot {
+struct Place {
     node: u32,
     along: f32,
     position: Vec3,
@@ -408,7 +409,7 @@ struct Path<'a> {
     number: u64,
     order: u16,
     base: Base,
-    /// At right angles to heading and `inwards`.
+    /// Direction at right angles to heading and `inwards`.
     aside: Vec3,
     length: f32,
     /// `s_θ` of equation 8.
@@ -417,7 +418,8 @@ struct Path<'a> {
     turn: f64,
     /// Random turn inwards and aside before and after the shoot at hand.
     strays: [[f32; 2]; 2],
-    /// How far from the base it forks, metres, and where its twin goes there, at right angles to it.
+    /// Its forks: the distance from the base, metres, and the direction of the twin there, at right angles to
+    /// the branch.
     forks: Vec<(f32, Vec3)>,
 }
 
@@ -425,7 +427,8 @@ impl<'a> Path<'a> {
     fn new(growth: &'a Growth, number: usize, axis: &Axis, base: Base, length: f32) -> Self {
         let architecture = &growth.architecture;
         let number = number as u64;
-        // Where the trunk's laterals begin is fixed, so that drawings of flat trees are seen from the front.
+        // The azimuth of the trunk's first lateral is fixed, so that drawings of flat trees are seen from the
+        // front.
         let turn =
             if number == 0 { 0.0 } else { unit(growth.seed, Draw::Azimuth as u32, Purpose::GROWTH, number) };
         Self {
@@ -453,7 +456,7 @@ impl<'a> Path<'a> {
         self.strays = [before, [KEPT * before[0] + next[0], KEPT * before[1] + next[1]]];
     }
 
-    /// The direction at so many metres from the base, which is such a part of the shoot at hand; of length 1.
+    /// The direction `along` metres from the base, the fraction `part` of the current shoot; of length 1.
     fn direction(&self, along: f32, part: f32) -> Vec3 {
         let mut direction = self.unforked(along, part);
         for &(place, twin) in &self.forks {
@@ -483,7 +486,7 @@ impl<'a> Path<'a> {
         (turned + strayed + UP * (self.architecture.tropism * place)).normalize_or(turned)
     }
 
-    /// Of one of the whorl that a metamer bears, about the branch, radians.
+    /// Azimuth about the branch of one of the whorl that a metamer bears, radians.
     fn azimuth(&self, bearer: u32, place: u16) -> f32 {
         let around = std::f64::consts::TAU * f64::from(place) / f64::from(self.architecture.whorl);
         let turned = f64::from(self.architecture.divergence) * f64::from(bearer) + self.turn + around;
@@ -498,7 +501,7 @@ impl<'a> Path<'a> {
         normal * cos + direction.cross(normal) * sin
     }
 
-    fn lateral(&self, lateral: &Axis, direction: Vec3, at: Foot) -> Base {
+    fn lateral(&self, lateral: &Axis, direction: Vec3, at: Place) -> Base {
         let outward = self.outward(direction, self.azimuth(lateral.bearer, lateral.place));
         let (sin, cos) = math::sin_cos(lateral.angle);
         let heading = (direction * cos + outward * sin).normalize_or(outward);

@@ -1,5 +1,5 @@
-//! Eight species, told apart by curves and limits alone. Heights and habits are as floras give them; the curves are drawn
-//! by eye.
+//! Eight species that differ by curves and limits alone. Heights and habits are as floras give them; the
+//! curves are drawn by eye.
 
 use super::{Architecture, Curve, Phenology};
 use crate::math;

@@ -43,11 +43,11 @@ pub enum GrowthError {
     /// An option or an age out of its range.
     #[error(transparent)]
     Parameter(#[from] ParameterError),
-    /// The tree has been worked out up to this year only. All ages before are to be had.
+    /// The tree has been worked out up to this year only. All ages before it are available.
     #[error(
         "year {year} would bring the tree to {nodes} nodes, lost ones included, or as many times eight years of branches, \
          but the limit is {limit}; it can \
-         be had up to the age of {}; Growth::with_most_nodes raises the limit", year - 1
+         be grown up to the age of {}; Growth::with_most_nodes raises the limit", year - 1
     )]
     Limit {
         /// The first year that is missing.
@@ -72,7 +72,7 @@ impl From<Cancelled> for GrowthError {
     }
 }
 
-/// A tree of a species, to be had at any age.
+/// A tree of a species, available at any age.
 ///
 /// ```
 /// use treesynth::growth::{Growth, Architecture};
@@ -98,11 +98,11 @@ pub struct Growth {
 impl Growth {
     /// Works out the structure of a tree up to the species' greatest age, at most 4 million nodes.
     ///
-    /// O(branches · years) time; 12 bytes a branch and year, 44 bytes a branch.
+    /// O(branches · years) time; 12 bytes per branch and year, 44 bytes per branch.
     ///
     /// # Errors
-    /// What [`Architecture::check`] finds. A species that runs away is no error here but in [`at`](Self::at), for the ages
-    /// that are missing.
+    /// A parameter out of range, as [`Architecture::check`] reports it. A species that grows without bound is
+    /// an error only in [`at`](Self::at), for the ages that are missing.
     pub fn new(architecture: Architecture, seed: u64) -> Result<Self, ParameterError> {
         Self::with_most_nodes(architecture, seed, MOST_NODES)
     }
@@ -125,7 +125,8 @@ impl Growth {
         })
     }
 
-    /// As [`with_most_nodes`](Self::with_most_nodes), telling `observer` how far it is and stopping when told to.
+    /// As [`with_most_nodes`](Self::with_most_nodes), reporting progress to `observer`, which can cancel the
+    /// work.
     ///
     /// # Errors
     /// As `with_most_nodes`, and [`GrowthError::Cancelled`].
@@ -166,7 +167,7 @@ impl Growth {
         self.at_observed(age, &Silent)
     }
 
-    /// As [`at`](Self::at), telling `observer` how far it is and stopping when told to.
+    /// As [`at`](Self::at), reporting progress to `observer`, which can cancel the work.
     ///
     /// # Errors
     /// As [`at`](Self::at), and [`GrowthError::Cancelled`].
@@ -182,7 +183,7 @@ impl Growth {
         form::at(self, age, observer)
     }
 
-    /// The years that are to be had: all, unless the limit of nodes came first.
+    /// The years that are available: all, unless the limit of nodes came first.
     pub fn years(&self) -> u16 {
         self.structure.years
     }

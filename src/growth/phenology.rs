@@ -1,4 +1,4 @@
-//! What happens over a year: shoots unfold, leaves turn and fall, buds swell.
+//! The events of a year: shoots unfold, leaves turn and fall, buds swell.
 
 use super::curve::Curve;
 use crate::ParameterError;
@@ -82,8 +82,8 @@ impl Phenology {
         self
     }
 
-    /// How much the upper sides of leaves turn to the light from above, beside how much they keep facing along their twig, 0 to
-    /// 100; 0 for not at all, 1.5 by default.
+    /// Weight with which the upper sides of leaves turn to the light from above, relative to that with which
+    /// they keep facing along their twig, 0 to 100; 0 for not at all, 1.5 by default.
     pub fn with_light_turn(mut self, weight: f32) -> Self {
         self.light_turn = weight;
         self
@@ -95,19 +95,21 @@ impl Phenology {
         self
     }
 
-    /// How much of its length an internode has, over its time of development: 0 at first, not falling, 1 at last.
+    /// Length of an internode as a share of its full length, over its time of development: 0 at first, not
+    /// falling, 1 at last.
     pub fn with_internode_growth(mut self, curve: Curve) -> Self {
         self.internode_growth = curve;
         self
     }
 
-    /// How much of its size a leaf has, 0 to 1, over the same time.
+    /// Size of a leaf as a share of its full size, 0 to 1, over the same time.
     pub fn with_leaf_growth(mut self, curve: Curve) -> Self {
         self.leaf_growth = curve;
         self
     }
 
-    /// How much of its size a bud has, 0 to 1, over the time from the start of its metamer to the year's end.
+    /// Size of a bud as a share of its full size, 0 to 1, over the time from the start of its metamer to the
+    /// year's end.
     pub fn with_bud_growth(mut self, curve: Curve) -> Self {
         self.bud_growth = curve;
         self
@@ -119,8 +121,8 @@ impl Phenology {
         self
     }
 
-    /// How many of the leaves are on the tree, 0 to 1, over the year. Each falls when this first gets as low as its own
-    /// lot, and stays away for the rest of the year.
+    /// Share of the leaves that are on the tree, 0 to 1, over the year. Each leaf falls when this share first
+    /// gets as low as the leaf's own random number, and stays away for the rest of the year.
     pub fn with_leaf_share(mut self, curve: Curve) -> Self {
         self.leaf_share = curve;
         self
@@ -183,7 +185,8 @@ impl Phenology {
         ((year - start) / (end - start)).clamp(0.0, 1.0)
     }
 
-    /// How much of its size the bud of a shoot's metamer `number` of `of` has at this part of the year.
+    /// Size of the bud of a shoot's metamer `number` of `of` at this part of the year, as a share of its full
+    /// size.
     pub(super) fn bud(&self, year: f32, number: u32, of: u32) -> f32 {
         let [start, end] = self.season;
         let start = start + (end - start) * self.stagger * number as f32 / of as f32;
@@ -202,8 +205,8 @@ impl Phenology {
 mod tests {
     use crate::growth::Architecture;
 
-    /// By hand: season 0.3 to 0.7, stagger 0.5, four metamers: they start at 0, 0.125, 0.25 and 0.375 of the season
-    /// and take half of it each.
+    /// Computed by hand: season 0.3 to 0.7, stagger 0.5, four metamers: they start at 0, 0.125, 0.25 and
+    /// 0.375 of the season and take half of it each.
     #[test]
     fn metamers_follow_each_other() {
         let architecture = Architecture::default();

@@ -2,10 +2,11 @@
 
 use super::architecture::Architecture;
 
-/// The least and the greatest exponent. Within them the cross-sections of two branches of a fork are 1 to 1.12 times the one
-/// that bears them.
+/// The least and the greatest exponent. Within them the cross-sections of two branches of a fork are together
+/// 1 to 1.12 times that of their parent branch.
 const EXPONENTS: [f64; 2] = [2.0, 2.4];
-/// How much thinner or thicker twigs may be than the species says, for the trunk's sake.
+/// Least and greatest radius of twigs, as multiples of the species' own: within them it is changed so that
+/// the trunk gets its thickness.
 const TWIGS: [f32; 2] = [0.5, 1.5];
 
 /// The part of a pipe with which a shoot comes out of its bud: so that both that come from the end of last year's shoot are
@@ -15,14 +16,15 @@ const LEAST: f64 = 0.45;
 /// The radius of wood by its pipes: `r = r_1 n^(1/a)`, Shinozaki and others 1964.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Thickness {
-    /// Of a single pipe, metres.
+    /// Radius of a single pipe, metres.
     twig: f32,
     /// 1 / a.
     power: f64,
 }
 
 impl Thickness {
-    /// Such that the trunk base at the greatest age, with so many pipes, is as thick as the species says for its length.
+    /// Chosen so that the trunk base at the greatest age, with `pipes` pipes, is as thick as the species says
+    /// for its length.
     pub(super) fn new(architecture: &Architecture, trunk_length: f32, pipes: f64) -> Self {
         let base =
             architecture.stoutness * trunk_length * (trunk_length / architecture.longest_branch).sqrt();

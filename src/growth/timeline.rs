@@ -5,15 +5,16 @@ use crate::skeleton::{Skeleton, SkeletonError};
 
 use super::GrowthError;
 
-/// Birth times for a skeleton of any origin, so that it can be had at any age.
+/// Birth times for a skeleton of any origin, so that it is available at any age.
 ///
-/// A node's age at the end comes from two things that grow with time. By distance: along the way from the root through a
-/// node to the farthest tip beyond, growth is steady, so that every tip is reached in the end. By radius: wood grows in
-/// rings of one breadth, so that a node is as old as it is thick. The [share](Self::with_radius_share) weighs one against
-/// the other. Neither is older than what bears it.
+/// A node's age at the end comes from two things that grow with time. Distance: along the path from the root
+/// through a node to the farthest tip beyond, growth is steady, so that every tip is reached in the end.
+/// Radius: wood grows in rings of one breadth, so that a node is as old as it is thick. The
+/// [share](Self::with_radius_share) weighs one against the other. No node is older than its parent.
 ///
-/// An internode grows from its lower to its upper node in the time between their births. So branches grow at their tips
-/// only, nothing that stands ever moves, and no tip moves faster than `longest way / (years · (1 - share))`.
+/// An internode grows from its lower to its upper node in the time between their births. Branches therefore
+/// grow at their tips only, nothing that stands ever moves, and no tip moves faster than `longest way /
+/// (years · (1 - share))`.
 ///
 /// ```
 /// use treesynth::growth::Timeline;
@@ -38,7 +39,8 @@ pub struct Timeline {
 crate::recipe::readable!(Timeline { radius_share: f32 });
 
 impl Timeline {
-    /// A tree that takes so many years, 0.01 to 10,000, to grow as it is; half by distance, half by radius. O(n).
+    /// A tree that takes `years` years, 0.01 to 10,000, to grow to its present form; half by distance, half
+    /// by radius. O(n).
     ///
     /// # Errors
     /// Years out of range.
@@ -50,7 +52,8 @@ impl Timeline {
         Ok(timeline)
     }
 
-    /// Sets how much radii count beside distances, 0 to 0.95; default 0.5. Where all radii are alike only distances do.
+    /// Sets the weight of radii against distances, 0 to 0.95; default 0.5. If all radii are alike, only
+    /// distances count.
     ///
     /// # Errors
     /// A share out of range.
@@ -99,7 +102,7 @@ impl Timeline {
         let holds = age >= 0.0 && age <= self.years;
         ParameterError::unless(holds, "Timeline.age", age, &format!("0 to {:?} years", self.years))?;
         let stands = |&(node, parent): &(usize, usize)| {
-            // What is born with its parent stands with it.
+            // A node born with its parent appears with it.
             self.births[parent] < age || self.births[node] <= age
         };
         let above = self.skeleton.edges().filter(stands).map(|(node, _)| node as u32);
@@ -127,7 +130,7 @@ impl Timeline {
             });
             let ring = if self.years > begun { (age - begun) / (self.years - begun) } else { 1.0 };
             radii.push(thinnest + (whole.radii()[node] - thinnest) * ring.clamp(0.0, 1.0));
-            // What is born at the very end has no year of its own.
+            // A node born at the very end has no year of its own.
             let year = begun.min(self.years.ceil() - 1.0).floor() as u16 + 1;
             stages.push(if node == 0 { 0 } else { year });
         }

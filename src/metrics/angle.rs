@@ -1,4 +1,4 @@
-//! At which angle branches leave their bearing axes.
+//! The angles at which branches leave their parent axes.
 
 use glam::DVec3;
 
@@ -13,18 +13,19 @@ pub struct BranchAngle {
     pub node: usize,
     /// The branch's order: 1 where it leaves the trunk.
     pub order: u16,
-    /// Angle between the branch and its bearing axis, radians, in [0, π].
+    /// Angle between the branch and its parent axis, radians, in [0, π].
     pub angle: f32,
 }
 
-/// For each branch but the trunk, as in [`Skeleton::branches`], the angle between its direction and that in which
-/// its bearing axis arrives at the fork.
+/// For each branch but the trunk, as in [`Skeleton::branches`], the angle between its direction and that in
+/// which its parent axis arrives at the fork.
 ///
-/// Both directions are chords over `reach` metres of arc length, the branch's from the fork on and the axis's up
-/// to the fork, on its own branch; finite, at least 0. They span at least one internode that has a length, so that
-/// 0 measures the first internode of the branch against the last of the axis, what a protractor at the fork
-/// reads; a longer reach smooths the crookedness out. Where the axis has no way up to the fork, as at the foot, its
-/// direction from there on is taken. Branches and axes without any direction are left out.
+/// Both directions are chords over `reach` metres of arc length, the branch's from the fork on and the axis's
+/// up to the fork, on its own branch; finite, at least 0. They span at least one internode that has a length,
+/// so that 0 measures the first internode of the branch against the last of the axis, as a protractor at the
+/// fork would; a longer reach smooths the crookedness out. Where no part of the axis leads up to the fork, as
+/// at the trunk base, its direction from there on is taken. Branches and axes without any direction are left
+/// out.
 ///
 /// O(n + b log n) for b branches.
 ///
@@ -74,8 +75,8 @@ pub(super) fn angles(skeleton: &Skeleton, reach: f64) -> Vec<BranchAngle> {
     };
     let mut angles = Vec::with_capacity(all.len() - 1);
     for (number, branch) in all.iter().enumerate().skip(1) {
-        let (bearer, place) = home[branch.nodes()[0] as usize];
-        let (axis, place) = (course(bearer as usize), place as usize);
+        let (parent, place) = home[branch.nodes()[0] as usize];
+        let (axis, place) = (course(parent as usize), place as usize);
         let along_axis = axis.arriving(place, reach).or_else(|| axis.leaving(place, reach));
         if let (Some(axis), Some(off)) = (along_axis, course(number).leaving(0, reach)) {
             let angle = math::angle_between(axis.as_vec3(), off.as_vec3());
@@ -177,7 +178,7 @@ mod tests {
 
     #[test]
     fn where_directions_are_missing() -> Result<(), Box<dyn Error>> {
-        // The foot is the fork: the trunk's way up counts.
+        // The fork is at the trunk base: the trunk's direction from there on counts.
         let tree = Skeleton::new(vec![Vec3::ZERO, Vec3::Y, Vec3::X], vec![None, Some(0), Some(0)])?;
         assert!((branch_angles(&tree, 0.0)?[0].angle - FRAC_PI_2).abs() < 1e-6);
         // A coincident node before and after the fork is passed over.

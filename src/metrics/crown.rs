@@ -8,10 +8,11 @@ use glam::{DVec2, DVec3};
 /// A branch that has less than this share of the length of all branches does not begin the crown.
 const STRAY: f64 = 0.01;
 
-/// How high above the base of the trunk the crown begins, metres: where the lowest branch of first order leaves the trunk that
-/// has, with all it bears, at least a hundredth of the length of all branches. Single sprouts on the bole are no crown.
+/// Height of the crown base above the trunk base, metres: the height at which the lowest main limb leaves the
+/// trunk. A main limb is a first-order branch that has, with all that it bears, at least a hundredth of the
+/// length of all branches. Single sprouts on the bole are no crown.
 ///
-/// `None` of a trunk alone. O(n).
+/// `None` for a trunk alone. O(n).
 pub fn crown_base(skeleton: &Skeleton) -> Option<f64> {
     let mut borne = vec![0.0f64; skeleton.len()];
     for (node, parent) in skeleton.edges().rev() {
@@ -64,8 +65,9 @@ impl CrownRadii {
         if mean > 0.0 { (square / (self.radii.len() - 1) as f64).sqrt() / mean } else { 0.0 }
     }
 
-    /// How far the crown's middle is from the base of the trunk, as a share of the mean radius: the radii as a circle about
-    /// that middle, so that of four it is the middle between opposite ends. City trees have 0.13 to 0.35.
+    /// Distance of the crown's middle from the trunk base, as a share of the mean radius. The middle is that
+    /// of the circle that fits the radii; for four radii it is the middle between opposite ends. City trees
+    /// have 0.13 to 0.35.
     pub fn offset(&self) -> f64 {
         let directions = self.radii.len() as f64;
         let ends = self.radii.iter().enumerate().map(|(i, &radius)| {

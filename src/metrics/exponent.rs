@@ -9,9 +9,9 @@ const LARGEST: f64 = 64.0;
 /// For each fork, ascending, its node and the exponent a with which `d^a = Σ d_j^a` holds between it and its
 /// children; `None` where there is none.
 ///
-/// There is one, and only one, when at least two children have a radius above 0 and all are thinner than the fork
-/// itself. Where children are nearly as thick, such that a would be above 64, it is `None` too. Children without
-/// thickness carry nothing and do not matter.
+/// There is one, and only one, when at least two children have a radius above 0 and all are thinner than the
+/// fork itself. If children are nearly as thick, such that a would be above 64, it is `None` too. Children
+/// without thickness carry nothing and do not matter.
 ///
 /// Newton's method on `ln Σ exp(a ln(d_j / d))`, which is convex and falls in a: from 0 on it approaches the zero
 /// from one side only, and needs some five steps where bisection needs fifty. O(n).

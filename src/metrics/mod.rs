@@ -1,8 +1,8 @@
-//! What botanists measure on a tree.
+//! The measures that botanists take on a tree.
 //!
-//! [`Metrics::of`] takes all measures at once; each is a function of its own as well. All are exact in the sense
-//! that they only sum and compare, in `f64`, so that no skeleton, however large or far out, makes one infinite.
-//! What a skeleton does not tell, such as the branch angle of a single stem, is `None`.
+//! [`Metrics::of`] takes all measures at once; each is a function of its own as well. All are exact in the
+//! sense that they only sum and compare, in `f64`, so that no skeleton, however large or far out, makes one
+//! infinite. A measure that a skeleton does not have, such as the branch angle of a single stem, is `None`.
 
 mod angle;
 mod branch;
@@ -105,7 +105,7 @@ pub struct Metrics {
     pub length_ratios: Vec<f64>,
     /// Mean diameter of the streams of each order over that of the order below; see [`stream_diameters`].
     pub diameter_ratios: Vec<f64>,
-    /// Mean angle between branches and bearing axes at the first internode, radians; see [`branch_angles`].
+    /// Mean angle between branches and parent axes at the first internode, radians; see [`branch_angles`].
     pub mean_branch_angle: Option<f64>,
     /// The same over an arc length of five internodes of mean length, which is beyond their crookedness: radians.
     pub mean_branch_angle_smoothed: Option<f64>,

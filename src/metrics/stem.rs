@@ -1,4 +1,4 @@
-//! What foresters measure on the trunk.
+//! The measures that foresters take on the trunk.
 
 use super::angle::length;
 use super::height;

@@ -33,8 +33,8 @@ pub fn strahler_orders(skeleton: &Skeleton) -> Vec<u16> {
 
 /// Number of streams of each Strahler order, that of order 1 first.
 ///
-/// A stream is a whole chain of nodes of one order. The root's counts even where the foot is itself a fork and
-/// the stream has no length: a tree stands on one trunk. The last entry is therefore 1. O(n).
+/// A stream is a whole chain of nodes of one order. The root's counts even where the trunk base is itself a
+/// fork and the stream has no length: a tree stands on one trunk. The last entry is therefore 1. O(n).
 pub fn stream_counts(skeleton: &Skeleton) -> Vec<usize> {
     streams_of(skeleton, &strahler_orders(skeleton))
 }

@@ -1,4 +1,4 @@
-//! What a PLY file says it has.
+//! The header of a PLY file: the elements and properties that it declares.
 
 use std::io::{self, BufRead};
 
@@ -203,7 +203,7 @@ impl Header {
     }
 }
 
-/// The first line tells how lines end: with CR alone, or with LF, perhaps after a CR.
+/// The first line shows how lines end: with CR alone, or with LF, perhaps after a CR.
 fn first_line(reader: &mut impl BufRead, line: &mut Vec<u8>, end: &mut u8) -> io::Result<usize> {
     let mut read = 0;
     loop {

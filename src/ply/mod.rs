@@ -9,7 +9,7 @@ pub(crate) use header::Element;
 pub(crate) use header::{Header, Kind};
 pub(crate) use values::Values;
 
-/// What is wrong with a file, and where.
+/// A problem in a file, and its place.
 #[derive(Debug)]
 pub(crate) struct Fault {
     pub(crate) place: String,

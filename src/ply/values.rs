@@ -69,7 +69,7 @@ impl<R: BufRead> Values<R> {
         }
     }
 
-    /// Whether more stands in the line of a text that the latest number came from.
+    /// `true` if the line of text that the latest number came from has more content.
     pub(crate) fn is_within_line(&self) -> bool {
         matches!(&self.source, Source::Text(lines, at) if *at > 0 && !is_blank(&lines.line()[*at..]))
     }

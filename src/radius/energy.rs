@@ -1,4 +1,4 @@
-//! What a branching structure costs: section 3.3, equations 5 and 6.
+//! The cost of a branching structure: section 3.3, equations 5 and 6.
 
 use crate::{ParameterError, Skeleton};
 

@@ -33,12 +33,12 @@ use crate::{ParameterError, Skeleton};
 /// Gives every internode of a skeleton its radius.
 ///
 /// # Contract
-/// [`radii`](Self::radii) returns one number a node, each finite and at least zero, and never growing towards
-/// the tips: a child's radius is at most its parent's. The same skeleton always gets the same radii.
+/// [`radii`](Self::radii) returns one number per node, each finite and at least zero, and never growing
+/// towards the tips: a child's radius is at most its parent's. The same skeleton always gets the same radii.
 ///
-/// [`check_radii`] tests this. What breaks if an implementation lies: a wrong length, NaN or a negative number
-/// is refused by [`Skeleton::with_radii`], and whatever called the model fails; a radius that grows towards the
-/// tips goes through, and surfaces then bulge or cross themselves at forks, and
+/// [`check_radii`] tests this. If an implementation breaks the contract: a wrong length, NaN or a negative
+/// number is refused by [`Skeleton::with_radii`], and the caller of the model fails; a radius that grows
+/// towards the tips goes through, and surfaces then bulge or cross themselves at forks, and
 /// [`metrics::pipe_exponent`](crate::metrics::pipe_exponent) finds nothing to fit. Nothing becomes unsound.
 ///
 /// # A model of your own
@@ -76,16 +76,16 @@ use crate::{ParameterError, Skeleton};
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub trait RadiusModel: Send + Sync {
-    /// One radius a node, metres: that of the internode from the node's parent to it. The root's is that of the
-    /// tree's foot.
+    /// One radius per node, metres: that of the internode from the node's parent to it. The root's is that of
+    /// the trunk base.
     ///
     /// # Errors
-    /// Options out of range (whatever [`check`](Self::check) finds), and radii that cannot be had for this
-    /// skeleton.
+    /// Options out of range (whatever [`check`](Self::check) finds), and radii that the model cannot give for
+    /// this skeleton.
     fn radii(&self, skeleton: &Skeleton) -> Result<Vec<f32>, RadiusError>;
 
-    /// Whether the options are in range, without a skeleton; called where synthesis starts, so that a mistake
-    /// shows before the long work. The default accepts. A model that accepts here what
+    /// Checks that the options are in range, without a skeleton; called where synthesis starts, so that a
+    /// mistake shows before the long work. The default accepts. A model that accepts here what
     /// [`radii`](Self::radii) refuses only costs the time until then.
     ///
     /// # Errors
@@ -118,7 +118,7 @@ pub enum RadiusError {
     /// An option out of range.
     #[error(transparent)]
     Parameter(#[from] ParameterError),
-    /// Not one radius a node.
+    /// The number of radii is not that of the nodes.
     #[error("there are {radii} radii for {nodes} nodes")]
     Length {
         /// The number of radii.
@@ -165,7 +165,7 @@ pub enum RadiusError {
     },
 }
 
-/// Whether `radii` keep the [contract](RadiusModel) on `skeleton`. O(n).
+/// Checks that `radii` keep the [contract](RadiusModel) on `skeleton`. O(n).
 ///
 /// # Errors
 /// The first violation: [`Length`](RadiusError::Length), [`NotFinite`](RadiusError::NotFinite),

@@ -3,8 +3,8 @@
 use super::{RadiusError, RadiusModel};
 use crate::{ParameterError, Skeleton};
 
-/// Every tip's pipe runs down to the foot, and a branch is the bundle of its pipes: at each fork
-/// `d^a = Σ d_j^a` over the children's diameters, with a the [exponent](Self::with_exponent) (equation 2).
+/// Every tip's pipe runs down to the trunk base, and a branch is the bundle of its pipes: at each fork `d^a =
+/// Σ d_j^a` over the children's diameters, with a the [exponent](Self::with_exponent) (equation 2).
 ///
 /// The root's radius is that of the flow through it; unbranched runs have one radius. O(n), summed in `f64`:
 /// equation 2 holds within a relative 1e-5 after rounding to `f32`, as long as no radius is subnormal.
@@ -42,13 +42,13 @@ pub struct PipeModel {
 pub enum Calibration {
     /// Every tip has this diameter, metres; a tree of more tips is thicker.
     Tip(f32),
-    /// The foot has this diameter, metres; a tree of more tips has finer ones.
+    /// The trunk base has this diameter, metres; the more tips a tree has, the finer they are.
     Trunk(f32),
 }
 
 impl Default for PipeModel {
     /// Exponent 2.5, the middle of the paper's range; tips of 4 mm, our choice after the one-year shoots of
-    /// broad-leaved trees: 6,500 of them, the paper-sized tree of `guided`, make a foot of 13 cm.
+    /// broad-leaved trees: 6,500 of them, the paper-sized tree of `guided`, make a trunk base of 13 cm.
     fn default() -> Self {
         Self { exponent: 2.5, calibration: Calibration::Tip(0.004) }
     }
@@ -58,8 +58,8 @@ impl PipeModel {
     /// Sets the exponent a, without unit, above 1 and at most 10; 2.5 by default.
     ///
     /// The paper takes it between 2 and 3; Leonardo's rule is 2, Murray's law for vessels 3. Nearer to 1 the
-    /// foot thickens quickly with the tips; above 3 branches hardly thin out. At 1 and below, a branch would be
-    /// as thick as its children side by side, or thicker, which no tree is.
+    /// trunk base thickens quickly with the number of tips; above 3 branches hardly thin out. At 1 and below,
+    /// a branch would be as thick as its children side by side, or thicker, which no tree is.
     pub fn with_exponent(mut self, exponent: f32) -> Self {
         self.exponent = exponent;
         self
@@ -71,7 +71,7 @@ impl PipeModel {
         self
     }
 
-    /// The foot gets this diameter, metres, finite and above 0, instead of the tips getting one.
+    /// Sets the diameter of the trunk base, metres, finite and above 0, instead of that of the tips.
     pub fn with_trunk_diameter(mut self, diameter: f32) -> Self {
         self.calibration = Calibration::Trunk(diameter);
         self
@@ -120,7 +120,7 @@ pub(super) fn check_diameter(parameter: &str, diameter: f32) -> Result<(), Param
     ParameterError::unless(holds, parameter, diameter, "finite and above 0 metres")
 }
 
-/// For each node the sum of what the tips above it send down: `d^a` up to a common factor.
+/// For each node the sum of the flows of the tips above it: `d^a` up to a common factor.
 pub(super) fn flows(skeleton: &Skeleton, mut of_tip: impl FnMut(usize) -> f64) -> Vec<f64> {
     let mut flows = vec![0.0; skeleton.len()];
     for tip in skeleton.tips() {

@@ -30,8 +30,8 @@ pub(crate) fn binary(depth: u32) -> Result<Skeleton, SkeletonError> {
     )
 }
 
-/// Up to 120 nodes at places on a coarse lattice, so that some coincide; each parent any earlier node, or, in
-/// half of the cases, one of the last three, which gives long branches.
+/// A skeleton of up to 120 nodes at places on a coarse lattice, so that some coincide; each parent any
+/// earlier node, or, in half of the cases, one of the last three, which gives long branches.
 pub(crate) fn any_skeleton() -> impl Strategy<Value = Skeleton> {
     let node = (prop::array::uniform3(-20i8..20), any::<prop::sample::Index>());
     (prop::collection::vec(node, 1..120), any::<bool>()).prop_map(|(nodes, long)| {

@@ -10,9 +10,9 @@ use crate::{ParameterError, Skeleton};
 /// twig, a run that ends in a tip, towards a [part](Self::with_tip_fraction) of its own. Each internode has the
 /// radius of its upper end.
 ///
-/// What holds: no radius is above the inner model's; radii never grow towards the tips; the root keeps its
-/// radius, hence a trunk diameter set in the inner model; runs without length keep theirs. What does not hold
-/// any longer is equation 2 of the pipe model, at the nodes of the forks themselves. O(n).
+/// Guaranteed: no radius is above the inner model's; radii never grow towards the tips; the root keeps its
+/// radius, hence a trunk diameter set in the inner model; runs without length keep theirs. Not guaranteed:
+/// equation 2 of the pipe model no longer holds at the nodes of the forks themselves. O(n).
 ///
 /// ```
 /// use treesynth::radius::{PipeModel, RadiusModel, Taper};

@@ -15,8 +15,8 @@ use crate::{ParameterError, Skeleton};
 /// supports: `d = 2 sqrt(A / 2π)` (section 5; a sphere over the sampled region), then equation 2 downwards.
 ///
 /// In the paper every tip is a sample of the guidance shape and all have the average area, which is
-/// [`uniform`](Self::uniform). Where the tree was grown otherwise, [`guided`](Self::guided) divides the crown's
-/// area among its tips, so that a lone tip in a wide part of the crown is thicker than one in a thicket.
+/// [`uniform`](Self::uniform). For trees grown otherwise, [`guided`](Self::guided) divides the crown's area
+/// among its tips, so that a lone tip in a wide part of the crown is thicker than one in a thicket.
 ///
 /// Areas of crown give thick tips, 40 cm for a quarter of a square metre: the paper uses these diameters as
 /// proportions. Set a [trunk diameter](Self::with_trunk_diameter) for wood of a natural scale, or pass areas of
@@ -72,7 +72,7 @@ pub enum Support {
 }
 
 impl Default for Variational {
-    /// Equal areas and a foot of 30 cm, our choice for a grown tree; the area then cancels out.
+    /// Equal areas and a trunk base of 30 cm, our choice for a grown tree; the area then cancels out.
     fn default() -> Self {
         Self::uniform(1.0).with_trunk_diameter(0.3)
     }
@@ -109,7 +109,8 @@ impl Variational {
         self
     }
 
-    /// Scales all radii so that the foot has this diameter, metres, finite and above 0. Not scaled by default.
+    /// Scales all radii so that the trunk base has this diameter, metres, finite and above 0. Not scaled by
+    /// default.
     pub fn with_trunk_diameter(mut self, diameter: f32) -> Self {
         self.trunk_diameter = Some(diameter);
         self
@@ -125,7 +126,7 @@ impl Variational {
         &self.support
     }
 
-    /// The foot's diameter, metres, if set.
+    /// The diameter of the trunk base, metres, if set.
     pub fn trunk_diameter(&self) -> Option<f32> {
         self.trunk_diameter
     }
@@ -213,7 +214,7 @@ fn shares(positions: &[Vec3], tips: &[usize], samples: &[Vec3]) -> Vec<f64> {
     for &sample in samples {
         let sample = place(sample);
         let nearest = tree.nearest_one::<SquaredEuclidean>(&sample);
-        // Which of equally near tips is found first is the search tree's affair; the lowest is ours.
+        // The search tree may return any of several equally near tips first; the lowest is taken.
         let lowest = tree
             .best_n_within::<SquaredEuclidean>(&sample, nearest.distance, NonZero::<usize>::MIN)
             .next()

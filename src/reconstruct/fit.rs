@@ -121,7 +121,7 @@ fn circle(points: &[Vec3], middle: DVec3, [u0, v0]: [DVec3; 2]) -> Option<(DVec3
     Some((middle + u0 * x + v0 * y, (rest + x * x + y * y).max(0.0).sqrt()))
 }
 
-/// How well a cylinder is held by the points.
+/// A cylinder with measures of how well the points support it; nothing if it is not finite.
 fn judged(points: &[Vec3], center: DVec3, axis: DVec3, radius: f64, scale: f64) -> Option<Cylinder> {
     let mut sectors = [false; SECTORS];
     let (u, v) = {

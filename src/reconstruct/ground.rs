@@ -1,4 +1,4 @@
-//! Which points are the ground, and where trunks come out of it.
+//! The points of the ground, and the places where trunks come out of it.
 
 use std::collections::BTreeMap;
 
@@ -6,7 +6,7 @@ use glam::Vec3;
 
 /// The side of the cells in which the lowest point is looked for, metres.
 const CELL: f32 = 0.25;
-/// How steep ground may be, metres a metre.
+/// Greatest slope of ground, metres per metre.
 const STEEP: f32 = 0.6;
 /// Points so near to the lowest surface are ground, metres.
 const THICK: f32 = 0.12;
@@ -101,7 +101,7 @@ pub(super) struct Trunk {
     pub(super) nodes: usize,
 }
 
-/// What stands in the slice of nodes from `low` up to `high`, most nodes first.
+/// The things that stand in the slice of nodes from `low` up to `high`, the one of most nodes first.
 pub(super) fn trunks(positions: &[Vec3], low: f32, high: f32) -> Vec<Trunk> {
     const SIDE: f32 = 0.1;
     let mut cells: BTreeMap<Cell, Vec<u32>> = BTreeMap::new();

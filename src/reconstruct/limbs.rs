@@ -13,7 +13,7 @@ pub(super) struct Ring {
     pub(super) parent: Option<u32>,
     pub(super) nodes: Vec<u32>,
     pub(super) center: Vec3,
-    /// How far nodes are from the center, in the mean of squares.
+    /// Root mean square distance of the nodes from the center, metres.
     pub(super) spread: f32,
 }
 
@@ -44,7 +44,8 @@ pub(super) fn rings(
             sets.join(node, parent);
         }
     }
-    // Parts by bin, then by number; the node of each that is nearest to the base tells what it follows.
+    // Parts by bin, then by number; the node of each that is nearest to the base decides which part it
+    // follows.
     let mut parts: Vec<(u32, u32, u32)> = (0..count as u32)
         .filter(|&node| bins[node as usize] != u32::MAX)
         .map(|node| (bins[node as usize], sets.of(node), node))
@@ -94,7 +95,7 @@ fn together(nodes: &Nodes, rings: &[Ring], siblings: &[(u32, Vec<u32>)]) -> Vec<
     let ring = &rings[siblings[0].0 as usize];
     let up = ring.parent.map_or(Vec3::Y, |parent| ring.center - rings[parent as usize].center);
     let up = up.try_normalize().unwrap_or(Vec3::Y);
-    // What all of them together are wide, for a base without nodes.
+    // The width of all of them together, for a base without nodes.
     let width = if ring.nodes.is_empty() { 10.0 } else { ring.spread.max(nodes.side) };
     let mut within: Vec<u32> = Vec::new();
     let mut apart = Vec::new();

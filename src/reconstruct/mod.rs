@@ -27,12 +27,13 @@ use crate::{ParameterError, Silent, Skeleton, SkeletonError};
 ///    far and the principal direction of the nodes around, so that paths stay in their limb and cross gaps straight on.
 /// 4. Nodes at one distance along their paths that hang together are a ring; its middle is a node of the skeleton, after Verroust and
 ///    Lazarus 2000, "Extracting skeletal curves from 3D scattered data". Rings that go nowhere are left out.
-/// 5. Cylinders are fitted robustly to the points of neighbouring rings; they put axes into the middle of limbs and give radii.
-///    Where points are few, radii follow the power of the length borne that fits this tree's measured limbs. No radius grows
-///    towards the tips.
+/// 5. Cylinders are fitted robustly to the points of neighbouring rings; they put axes into the middle of
+///    limbs and give radii. Where points are few, radii follow from the length of wood borne, by a relation
+///    fitted to this tree's measured limbs. No radius grows towards the tips.
 ///
-/// Clouds with leaves make trees of nonsense where leaves hide the wood: set leaves aside before. The same cloud gives the same bits
-/// at any number of threads. O(n log n) for n points; about 100 bytes a point and 500 bytes a node.
+/// Clouds with leaves make trees of nonsense where leaves hide the wood: set leaves aside before. The same
+/// cloud gives the same bits at any number of threads. O(n log n) for n points; about 100 bytes per point and
+/// 500 bytes per node.
 ///
 /// ```
 /// use treesynth::{Skeleton, glam::Vec3, reconstruct::Reconstruct, scan::Scanner, surface::{Part, Tubes}};
@@ -71,10 +72,11 @@ impl Default for Reconstruct {
 pub struct Reconstruction {
     /// The tree, where the cloud's points are. Its root is the base of the trunk.
     pub skeleton: Skeleton,
-    /// What was taken off the cloud's coordinates in its file.
+    /// The offset that was subtracted from the coordinates in the cloud's file.
     pub offset: DVec3,
-    /// For each node whether a cylinder was found for its points. Its radius is that, unless it is off what limbs around it have; all
-    /// others follow from what their limb bears.
+    /// For each node, `true` if a cylinder was found for its points. Its radius is that of the cylinder,
+    /// unless that differs from those of the limbs around; all other radii follow from the length that their
+    /// limb bears.
     pub is_measured: Vec<bool>,
     /// Points set aside as ground.
     pub ground: usize,
@@ -108,29 +110,30 @@ pub enum ReconstructError {
     TooMany {
         /// The points.
         points: usize,
-        /// How many may be.
+        /// The greatest number allowed.
         most: usize,
     },
     /// No trunk, or several, where the cloud is lowest.
     #[error(
-        "where the cloud is lowest, up to {high} m, {trunks} things stand apart, the largest at {first} and {second}, but one trunk must; cut the cloud, or say by Reconstruct::with_base which"
+        "where the cloud is lowest, up to {high} m, {trunks} things stand apart, the largest at {first} and {second}, but there must be one trunk; cut the cloud, or choose the trunk by Reconstruct::with_base"
     )]
     Trunks {
         /// The upper end of what was looked at, metres.
         high: f32,
-        /// How many stand there.
+        /// The number of things that stand there.
         trunks: usize,
-        /// Where the one of most points stands, metres.
+        /// The position of the one of most points, metres.
         first: Vec3,
-        /// Where the next stands, metres.
+        /// The position of the next, metres.
         second: Vec3,
     },
-    /// The limb at the base is thin beside others: the cloud stands on its head, or the trunk is not in it.
+    /// The limb at the base is thin compared with others: the cloud stands on its head, or the trunk is not
+    /// in it.
     #[error(
-        "the limb at the base, {base}, has a radius of {radius} m, but others have {thickest} m; turn or cut the cloud, or say by Reconstruct::with_base where the trunk is"
+        "the limb at the base, {base}, has a radius of {radius} m, but others have {thickest} m; turn or cut the cloud, or set the trunk base by Reconstruct::with_base"
     )]
     ThinBase {
-        /// Where the base was found, metres.
+        /// The position at which the base was found, metres.
         base: Vec3,
         /// Its radius, metres.
         radius: f32,
@@ -140,10 +143,10 @@ pub enum ReconstructError {
     /// The search failed.
     #[error(transparent)]
     Search(#[from] SearchError),
-    /// The graph is none.
+    /// The graph is not valid.
     #[error(transparent)]
     Graph(#[from] GraphError),
-    /// What came out is no skeleton.
+    /// The result is not a valid skeleton.
     #[error(transparent)]
     Skeleton(#[from] SkeletonError),
 }
@@ -165,7 +168,7 @@ impl Reconstruct {
         self
     }
 
-    /// The widest gap that a limb may have, metres, 0 to 100; default 0.5. What is farther off is left out.
+    /// The widest gap that a limb may have, metres, 0 to 100; default 0.5. Parts farther off are left out.
     pub fn with_gap(mut self, metres: f32) -> Self {
         self.gap = metres;
         self
@@ -183,7 +186,7 @@ impl Reconstruct {
         self
     }
 
-    /// Whether ground is looked for and set aside; default true.
+    /// Whether points of the ground are searched for and left out; default true.
     pub fn with_ground(mut self, is_looked_for: bool) -> Self {
         self.has_ground = is_looked_for;
         self
@@ -262,7 +265,7 @@ impl Reconstruct {
         let mut positions = Vec::with_capacity(rings.len());
         for (ring, fit) in rings.iter().zip(&fits) {
             let center = fit.map_or(ring.center, |fit| {
-                // The place on the axis beside the middle of the ring.
+                // The place on the axis that is nearest to the middle of the ring.
                 fit.center + fit.axis * (ring.center - fit.center).dot(fit.axis)
             });
             positions.push(center);
@@ -291,7 +294,7 @@ impl Reconstruct {
         })
     }
 
-    /// Whether the limb at a base that was found is about as thick as any.
+    /// Checks that the limb at a base that was found is about as thick as any other limb.
     fn check_base(
         &self,
         rings: &[Ring],
@@ -354,7 +357,7 @@ impl Reconstruct {
     }
 }
 
-/// From the lowest to the highest point of some, leaving out a thousandth at either end.
+/// Height from the lowest to the highest of some points, leaving out a thousandth at either end.
 fn height(points: &[Vec3], which: &[u32]) -> f32 {
     let mut heights: Vec<f32> = which.iter().map(|&point| points[point as usize].y).collect();
     if heights.is_empty() {
@@ -366,7 +369,8 @@ fn height(points: &[Vec3], which: &[u32]) -> f32 {
     high - *heights.select_nth_unstable_by(cut, f32::total_cmp).1
 }
 
-/// The nodes and the base, which is the last: linked to all nodes beside it in the lowest part, or to the nearest.
+/// The nodes and the base, which is the last: linked to all nodes around it in the lowest part, or to the
+/// nearest.
 fn graph(
     nodes: &Nodes,
     edges: &[(u32, u32)],
@@ -376,7 +380,7 @@ fn graph(
     let root = nodes.len() as u32;
     let mut positions = nodes.positions.clone();
     let nearest = positions.iter().map(|place| place.distance(base)).fold(f32::INFINITY, f32::min);
-    // Where a node lies in the very place of the base.
+    // For the case that a node lies in the very place of the base.
     let base = if nearest < 1e-5 { base - Vec3::Y * 0.5 * nodes.side } else { base };
     // All of the trunk's lowest ring: what lies no higher than a hand, and within what no trunk is wider than.
     let slab = base.y + 8.0 * nodes.side;
@@ -414,12 +418,12 @@ fn heirs(rings: &[Ring]) -> Vec<Option<u32>> {
     heir
 }
 
-/// Without laterals that hardly leave their limb: noise, bark, and the rims of forks.
+/// Removes laterals that hardly leave their limb: noise, bark, and the rims of forks.
 fn pruned(rings: Vec<Ring>, step: f32) -> Vec<Ring> {
     let count = rings.len();
     let heir = heirs(&rings);
     let mut kept = vec![true; count];
-    // How far each ring's farthest tip is.
+    // Distance from each ring to its farthest tip.
     let mut ahead = vec![0.0_f32; count];
     let mut members: Vec<usize> = rings.iter().map(|ring| ring.nodes.len()).collect();
     for ring in (1..count).rev() {

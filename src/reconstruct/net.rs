@@ -70,7 +70,7 @@ pub(super) fn edges(nodes: &Nodes) -> Vec<(u32, u32)> {
 const LOOKED: usize = 6;
 /// Bridges of each part at one time.
 const BRIDGES: usize = 2;
-/// How often parts are joined to the largest.
+/// Greatest number of rounds in which parts are joined to the largest.
 const ROUNDS: usize = 100;
 
 /// Edges over gaps of at most `gap` metres from parts of at least three nodes to the largest part, which grows by them: shortest
@@ -134,7 +134,7 @@ pub(super) fn bridges(nodes: &Nodes, edges: &[(u32, u32)], gap: f32) -> Vec<(u32
     found
 }
 
-/// What a bridge costs: its length, more where it leaves the limbs' directions.
+/// The cost of a bridge: its length, more where it leaves the limbs' directions.
 fn score(nodes: &Nodes, a: u32, b: u32) -> f32 {
     let way = nodes.positions[b as usize] - nodes.positions[a as usize];
     let length = way.length();
@@ -150,7 +150,7 @@ pub(super) struct Along<'a> {
     pub(super) along: &'a [(Vec3, f32)],
 }
 
-/// Over so many metres a path forgets where it came from.
+/// Length over which a path forgets its earlier direction, metres.
 const MEMORY: f32 = 0.08;
 
 impl GuidingRule for Along<'_> {

@@ -1,4 +1,4 @@
-//! Points become fewer nodes: one a cube, each with the direction of the limb it is on.
+//! Points become fewer nodes: one per cube, each with the direction of the limb it is on.
 
 use std::num::NonZeroUsize;
 
@@ -10,7 +10,7 @@ use crate::parallel;
 
 /// Neighbours of a node.
 pub(super) const NEAREST: usize = 12;
-/// Places asked for by one task.
+/// Places searched by one task.
 const CHUNK: usize = 1024;
 
 pub(super) type Tree = ImmutableKdTree<f32, u32, 3, 32>;
@@ -22,7 +22,7 @@ pub(super) struct Nodes {
     pub(super) positions: Vec<Vec3>,
     /// The numbers of the points, those of one node after the other.
     pub(super) points: Vec<u32>,
-    /// Where those of each node begin.
+    /// The start in `points` of each node's points, and the end of the last's.
     pub(super) starts: Vec<u32>,
     /// The nearest other nodes of each, nearest first, and their distances.
     pub(super) near: Vec<Vec<(u32, f32)>>,
@@ -31,7 +31,7 @@ pub(super) struct Nodes {
 }
 
 impl Nodes {
-    /// At most about `most` nodes: the cubes' side grows until they are so few. O(n log n).
+    /// Makes at most about `most` nodes: the cubes' side grows until there are no more. O(n log n).
     pub(super) fn new(points: &[Vec3], which: &[u32], side: f32, most: usize) -> Self {
         let (mut low, mut high) = (Vec3::INFINITY, Vec3::NEG_INFINITY);
         for &point in which {
@@ -88,7 +88,8 @@ impl Nodes {
         (self.near, self.along) = found.into_iter().flatten().unzip();
     }
 
-    /// How far most nodes are from the fourth nearest: on a surface, from one to the next.
+    /// Median distance of a node from its fourth nearest: on a surface, the distance from one node to the
+    /// next.
     pub(super) fn spacing(&self) -> f32 {
         let mut fourth: Vec<f32> =
             self.near.iter().filter_map(|near| near.get(3).map(|near| near.1)).collect();
@@ -109,7 +110,7 @@ impl Nodes {
     }
 }
 
-/// 21 bits an axis.
+/// 21 bits per axis.
 fn key(place: Vec3, side: f32) -> u64 {
     let [x, y, z] = (place / side).to_array().map(|at| (at as u64).min((1 << 21) - 1));
     (x << 42) | (y << 21) | z

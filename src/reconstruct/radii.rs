@@ -19,7 +19,7 @@ fn axis(rings: &[Ring], heir: &[Option<u32>], ring: usize, reach: f32) -> (Vec3,
     let center = rings[ring].center;
     let (mut low, mut high) = (ring, ring);
     while let Some(parent) = rings[low].parent.filter(|_| rings[low].center.distance(center) < reach) {
-        // Where the limb is a lateral of its parent, it begins here.
+        // A limb that is a lateral of its parent begins here.
         if rings[parent as usize].nodes.is_empty() || heir[parent as usize] != Some(low as u32) {
             break;
         }
@@ -63,7 +63,8 @@ pub(super) fn fits(
         let fit = cylinder(&near, along)?;
         let steep = fit.axis.dot(along).abs();
         let off = (fit.center - own.center).reject_from(along).length();
-        // How far points are from the limb's middle, across: the radius if all of it is seen, less if one side is.
+        // Distance of the points from the limb's middle, across it: the radius if all sides are seen, less if
+        // one side is.
         let middle = near.iter().sum::<Vec3>() / near.len() as f32;
         let squares: f32 =
             near.iter().map(|point| (*point - middle).reject_from(along).length_squared()).sum();
@@ -96,7 +97,7 @@ pub(super) fn radii(skeleton: &Skeleton, measured: &[Option<(f32, f32)>], tip: f
         let own = branch.nodes();
         // All but the first begin with a node of their parent branch.
         let inner = if number == 0 { own } else { &own[1..] };
-        // What is measured over what is expected, outliers left out, and carried along the branch.
+        // Measured over expected radius, without outliers, carried along the branch.
         let mut ratios: Vec<Option<(f32, f32)>> = inner
             .iter()
             .map(|&node| {
@@ -127,7 +128,7 @@ pub(super) fn radii(skeleton: &Skeleton, measured: &[Option<(f32, f32)>], tip: f
             radii[node as usize] = radius.max(tip).min(cap);
         }
     }
-    // Branches' first nodes were capped by what their parents had; all of a tree is so once more.
+    // The first nodes of branches were capped by the radius of their parents; now all nodes are.
     for node in 1..count {
         let parent = skeleton.parent(node).unwrap_or(0);
         radii[node] = radii[node].min(radii[parent]);
@@ -135,14 +136,15 @@ pub(super) fn radii(skeleton: &Skeleton, measured: &[Option<(f32, f32)>], tip: f
     radii
 }
 
-/// What a tip bears, metres.
+/// Length of wood that a tip counts as bearing, metres.
 const TIP_LENGTH: f32 = 0.05;
 
-/// What a radius usually is on this tree, by the length that a limb bears: a point for each doubling, as logarithms, ascending.
+/// The usual radius on this tree, by the length that a limb bears: a point for each doubling of the length,
+/// as logarithms, ascending.
 struct Allometry(Vec<(f32, f32)>);
 
 impl Allometry {
-    /// Doublings of the length a tip bears that are told apart.
+    /// Number of doublings of the length that a tip bears, each with an entry of its own.
     const DOUBLINGS: usize = 24;
 
     /// The medians of what is measured, where most limbs are; thinner ones, of which only those are measured that seem thick,

@@ -106,7 +106,8 @@ impl Bvh {
         }
     }
 
-    /// How far the ray goes until it meets one of these triangles, and which; of several at one distance the lowest number.
+    /// Distance at which the ray first meets one of these triangles, and the triangle's number; of several at
+    /// one distance the lowest number.
     pub(super) fn first_of(&self, ray: &Ray, places: &[u32]) -> Option<(f32, u32)> {
         let mut best: Option<(f32, u32)> = None;
         for &place in places {

@@ -26,14 +26,15 @@ const MOST_TRIANGLES: u64 = 1 << 28;
 
 /// A terrestrial laser scanner on one or several stands, and what it measures of a scene.
 ///
-/// From each place, beams go out in equal steps of azimuth and elevation wherever something of the scene may be. A beam widens with
-/// its range; seven rays stand for its cross-section. Rays that meet surfaces closer together than the
-/// [separation](Self::with_separation) make one echo, at the mean of their ranges: at edges this lies between both surfaces, a mixed
-/// pixel (Hebert and Krotkov 1992, "3D measurements from imaging laser radars: how good are they?"). What lies behind is hidden, but
-/// for later [echoes](Self::with_echoes). The range has Gaussian noise.
+/// From each place, beams go out in equal steps of azimuth and elevation wherever something of the scene may
+/// be. A beam widens with its range; seven rays stand for its cross-section. Rays that meet surfaces closer
+/// together than the [separation](Self::with_separation) make one echo, at the mean of their ranges: at edges
+/// this lies between both surfaces, a mixed pixel (Hebert and Krotkov 1992, "3D measurements from imaging
+/// laser radars: how good are they?"). Surfaces behind the first echo are hidden, but for later
+/// [echoes](Self::with_echoes). The range has Gaussian noise.
 ///
-/// Same scene, options and seed: same bits, at any number of threads. O(t log t + b log t) for t triangles and b beams; some 130 bytes a
-/// triangle, copies multiplied out.
+/// Same scene, options and seed: same bits, at any number of threads. O(t log t + b log t) for t triangles
+/// and b beams; some 130 bytes per triangle, copies multiplied out.
 ///
 /// ```
 /// use treesynth::{Skeleton, glam::Vec3, scan::Scanner, surface::{Part, Tubes}};
@@ -59,30 +60,30 @@ pub struct Scanner {
     ground: Option<f32>,
 }
 
-/// What a scanner has measured.
+/// The measurement of a scanner: points, and the truth about each.
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
 pub struct Scan {
     /// The points, those of the first place first.
     pub cloud: Cloud,
-    /// What each point lies on.
+    /// The surface that each point lies on.
     pub truth: Vec<Truth>,
 }
 
-/// What a point lies on; at an edge the surface that most of the beam has met.
+/// The surface that a point lies on; at an edge the one that most of the beam has met.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub struct Truth {
     /// The part's number, or [`Truth::GROUND`].
     pub part: u32,
-    /// The node of the skeleton: of bark with [wind](crate::surface::Tubes::with_wind) the one that moves it, of a leaf the one that
-    /// bears it; 0 where the mesh does not tell.
+    /// The node of the skeleton: for bark with [wind](crate::surface::Tubes::with_wind) the one that moves
+    /// it, for a leaf the one that bears it; 0 if the mesh has no such data.
     pub node: u32,
     /// The number of the place it was seen from.
     pub place: u32,
     /// The share of the beam that has met anything within the echo.
     pub share: f32,
-    /// Whether the rays of the echo have met different parts or nodes.
+    /// `true` if the rays of the echo have met different parts or nodes.
     pub is_mixed: bool,
 }
 
@@ -129,7 +130,7 @@ impl Scanner {
         }
     }
 
-    /// So many stands on a circle about `center`, from +X on.
+    /// A scanner at this number of `places` on a circle about `center`, from +X on, `distance` metres away.
     pub fn around(center: Vec3, distance: f32, places: usize) -> Self {
         let place = |i: usize| {
             let (sin, cos) = math::sin_cos(TAU * i as f32 / places.max(1) as f32);
@@ -144,7 +145,8 @@ impl Scanner {
         self
     }
 
-    /// How wide the beam is where it leaves the scanner, 0 to 0.1 m, and by how much it widens, 0 to 0.1 rad (the full angle).
+    /// Diameter of the beam where it leaves the scanner, 0 to 0.1 m, and its divergence, 0 to 0.1 rad (the
+    /// full angle).
     pub fn with_beam(mut self, exit: f32, divergence: f32) -> Self {
         (self.exit, self.divergence) = (exit, divergence);
         self
@@ -168,7 +170,7 @@ impl Scanner {
         self
     }
 
-    /// How far the scanner sees, 0.1 to 10,000 m.
+    /// Range of the scanner, 0.1 to 10,000 m.
     pub fn with_range(mut self, metres: f32) -> Self {
         self.range = metres;
         self
@@ -304,7 +306,7 @@ impl Scanner {
     }
 }
 
-/// Where the rays of a beam are across it, in its radii.
+/// Positions of the rays in the beam's cross-section, in its radii.
 const SPOTS: [Vec2; RAYS] = [
     Vec2::ZERO,
     Vec2::new(RING, 0.0),
@@ -372,7 +374,8 @@ impl Scene {
         Ok(Self { bvh: Bvh::new(&corners), owners, ground, low, high })
     }
 
-    /// How far the ray goes until it meets the ground or one of these triangles, and the number of the triangle; `u32::MAX` on the ground.
+    /// Distance at which the ray first meets the ground or one of these triangles, and the number of the
+    /// triangle; `u32::MAX` for the ground.
     fn first(&self, ray: &Ray, near: &[u32]) -> Option<(f32, u32)> {
         let hit = self.bvh.first_of(ray, near);
         let ground = self.ground.and_then(|ground| {

@@ -53,12 +53,12 @@ impl Bounds {
         })
     }
 
-    /// Whether no point lies in the box: `min` above `max` on some axis, or NaN.
+    /// `true` if no point lies in the box: `min` above `max` on some axis, or NaN.
     pub fn is_empty(self) -> bool {
         !self.min.cmple(self.max).all()
     }
 
-    /// Whether both corners are free of NaN and infinities.
+    /// `true` if both corners are free of NaN and infinities.
     pub fn is_finite(self) -> bool {
         self.min.is_finite() && self.max.is_finite()
     }
@@ -83,12 +83,12 @@ impl Bounds {
         (side(0) * side(1) * side(2)) as f32
     }
 
-    /// Whether `point` (metres) lies in the box or on its surface. False for NaN and infinities.
+    /// `true` if `point` (metres) lies in the box or on its surface; `false` for NaN and infinities.
     pub fn contains(self, point: Vec3) -> bool {
         point.is_finite() && self.min.cmple(point).all() && point.cmple(self.max).all()
     }
 
-    /// Whether all of `other` lies in this box; an empty box lies in every box.
+    /// `true` if all of `other` lies in this box; an empty box lies in every box.
     pub fn encloses(self, other: Self) -> bool {
         other.is_empty() || (self.min.cmple(other.min).all() && other.max.cmple(self.max).all())
     }

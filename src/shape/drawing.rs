@@ -20,9 +20,9 @@ const PIECES: u32 = 16;
 const MOST_SHAPES: usize = 10_000;
 
 impl Outline {
-    /// SVG path data, such as the `d` of a `<path>`, with SVG's y turned up; curves and quarters of arcs in 16 straight
-    /// pieces each, open pieces closed. What crosses itself becomes the polygons around what SVG fills by its non-zero rule.
-    /// [`fitted`](Self::fitted) brings it to size.
+    /// SVG path data, such as the `d` of a `<path>`, with SVG's y turned up; curves and quarters of arcs in
+    /// 16 straight pieces each, open pieces closed. A path that crosses itself becomes the polygons around
+    /// the area that SVG fills by its non-zero rule. [`fitted`](Self::fitted) brings it to size.
     ///
     /// # Errors
     /// Text that is not path data from its first to its last character, by the place of what is wrong; numbers that are not
@@ -40,12 +40,12 @@ impl Outline {
         Ok(mended(contours, FillRule::NonZero))
     }
 
-    /// What an SVG document draws, a shape after the other in the order of drawing, with SVG's y turned up, in the
-    /// document's user units (96 an inch).
+    /// The shapes that an SVG document draws, one after the other in the order of drawing, with SVG's y
+    /// turned up, in the document's user units (96 per inch).
     ///
-    /// Paths and the basic shapes are read with their transforms, units, styles and fill rules; what is not drawn, such as
-    /// what stands in `<defs>`, `<clipPath>`, `<mask>`, `<marker>` or `<symbol>` or is hidden, is not; strokes count as the
-    /// line they follow, closed. Texts and images are left out.
+    /// Paths and the basic shapes are read with their transforms, units, styles and fill rules; what SVG does
+    /// not draw, such as hidden elements and the content of `<defs>`, `<clipPath>`, `<mask>`, `<marker>` and
+    /// `<symbol>`, is not read; strokes count as the line they follow, closed. Texts and images are left out.
     ///
     /// ```
     /// use treesynth::{glam::Vec2, shape::Outline};
@@ -120,7 +120,7 @@ impl Outline {
     }
 }
 
-/// Whether an element is not within one whose content SVG does not draw.
+/// `false` if an element is within one whose content SVG does not draw.
 fn is_drawn(node: roxmltree::Node<'_, '_>) -> bool {
     let hidden = ["defs", "clipPath", "mask", "marker", "symbol", "pattern", "metadata"];
     !node.ancestors().any(|node| hidden.contains(&node.tag_name().name()))
@@ -132,7 +132,7 @@ struct Pen {
     contours: Vec<Vec<DVec2>>,
     start: DVec2,
     at: DVec2,
-    /// Whether the latest contour still goes on.
+    /// `true` while the latest contour is unfinished.
     open: bool,
 }
 
@@ -186,7 +186,7 @@ impl Pen {
         if stretch > 1.0 {
             radii *= stretch.sqrt();
         }
-        // Of a unit circle; the middle of the ends is 0.
+        // On a unit circle; the middle of the ends is 0.
         let end = half / radii;
         let square = end.length_squared();
         let off = ((1.0 - square).max(0.0) / square).sqrt() * if large == sweep { -1.0 } else { 1.0 };
@@ -322,7 +322,7 @@ fn mended(mut contours: Vec<Vec<DVec2>>, rule: FillRule) -> Outline {
     let crosses = || plain.contours().iter().any(|contour| contour.len() > 2 && meeting(contour).is_some());
     let count = contours.iter().map(Vec::len).sum::<usize>();
     let large = !plain.min().abs().max(plain.max().abs()).cmple(Vec2::splat(LARGEST)).all();
-    // What the outline's check refuses anyway is left as it is.
+    // Polygons that the outline's check refuses anyway are left as they are.
     if large || count > MOST || !(crosses() || rule == FillRule::EvenOdd && contours.len() > 1) {
         return plain;
     }

@@ -3,13 +3,15 @@
 //! A [`Shape`] says which points it holds. The simple ones are [`Cuboid`], [`Sphere`], [`Ellipsoid`],
 //! [`HalfEllipsoid`], [`Cone`] and [`Cylinder`]; [`Shell`] keeps the rind of another, [`Union`],
 //! [`Intersection`], [`Difference`] and [`Translated`] put others together; [`TriangleMesh`] is a model of
-//! triangles, [`Sketch`] a crown swept from a silhouette, [`Extrusion`] an [`Outline`] with a depth. What is missing is one implementation of [`Shape`] away.
+//! triangles, [`Sketch`] a crown swept from a silhouette, [`Extrusion`] an [`Outline`] with a depth.
+//! Implement [`Shape`] for a shape that is missing.
 //!
 //! Planar trees use the same shapes: a planar shape is the slice z = 0 of a spatial one.
 //!
 //! Constructors accept anything; [`Shape::check`] says what is wrong, once, where synthesis starts. Lengths
-//! are from [`SMALLEST`] to [`LARGEST`], coordinates at most [`LARGEST`] from 0. What a shape that fails its
-//! check holds is unspecified, but using it neither panics nor hangs, and samples are still finite points of it.
+//! are from [`SMALLEST`] to [`LARGEST`], coordinates at most [`LARGEST`] from 0. The points of a shape that
+//! fails its check are unspecified, but using it neither panics nor hangs, and samples are still finite
+//! points of it.
 
 mod bounds;
 mod combine;
@@ -61,7 +63,7 @@ pub const SMALLEST: f32 = 1e-6;
 /// at most 0.06 mm apart, and that is where trees should grow.
 pub const LARGEST: f32 = 1e6;
 
-/// How many points [`Shape::sample`] tries before it calls a shape empty.
+/// Number of points that [`Shape::sample`] tries before it calls a shape empty.
 const TRIES: u32 = 1 << 16;
 
 /// The lattice of [`Shape::volume`] has this many cells on each axis.
@@ -122,7 +124,7 @@ const STEPS: [f64; 3] = [0.819_172_513_396_164_5, 0.671_043_606_703_789_3, 0.549
 /// assert!((hedge.volume() - 24.67).abs() < 0.5);
 /// ```
 pub trait Shape: Send + Sync {
-    /// Whether `point` (metres) lies in the shape.
+    /// `true` if `point` (metres) lies in the shape.
     ///
     /// The shapes of this module are closed sets, their surface belongs to them, up to the rounding of `f32`;
     /// [`Shell`] and [`Difference`] lack the surface of what is taken away. O(1) for each simple shape in a
@@ -143,15 +145,16 @@ pub trait Shape: Send + Sync {
     /// Volume in cubic metres; 0 if the bounds are empty or not finite.
     ///
     /// The default asks `contains` for one point in each of 48³ cells of the bounds and is a few percent off
-    /// for compact shapes, more for thin ones. It is the same on every call. Nothing but the number of
-    /// points worked out from it depends on it: wrong volumes make for wrong densities.
+    /// for compact shapes, more for thin ones. It is the same on every call. Only the numbers of points that
+    /// are computed from it depend on it: wrong volumes give wrong densities.
     fn volume(&self) -> f32 {
         lattice_volume(self.bounds(), |point| self.contains(point))
     }
 
-    /// Whether a point of the shape may lie in `bounds`. The default says yes.
+    /// `true` if a point of the shape may lie in `bounds`. The default is `true`.
     ///
-    /// Saying no where the shape is not saves looking there; saying no where it is leaves a hole in a graph.
+    /// `false` for a box without a point of the shape saves the search there; `false` for a box with one
+    /// leaves a hole in a graph.
     fn touches(&self, bounds: Bounds) -> bool {
         let _ = bounds;
         true

@@ -114,9 +114,9 @@ impl Outline {
     /// centred on x = 0.
     pub fn fitted(&self, base: f32, height: f32) -> Self {
         let (min, max) = (self.inner.min, self.inner.max);
-        let foot = Vec2::new(0.5 * min.x + 0.5 * max.x, min.y);
+        let bottom = Vec2::new(0.5 * min.x + 0.5 * max.x, min.y);
         let scale = height / (max.y - min.y);
-        let place = |&point: &Vec2| (point - foot) * scale + Vec2::Y * base;
+        let place = |&point: &Vec2| (point - bottom) * scale + Vec2::Y * base;
         let mut fitted =
             Self::of(self.inner.contours.iter().map(|contour| contour.iter().map(place).collect()).collect());
         // Nobody else holds it yet.
@@ -126,7 +126,7 @@ impl Outline {
         fitted
     }
 
-    /// Whether `point` is inside. O(1) for outlines with sides of like length.
+    /// `true` if `point` is inside. O(1) for outlines with sides of like length.
     pub fn contains(&self, point: Vec2) -> bool {
         let winding = |[from, to]: &[Vec2; 2]| match crossing([*from, *to], point.y) {
             Some((x, way)) if x <= point.x => way,
@@ -135,7 +135,7 @@ impl Outline {
         point.is_finite() && self.inner.near(point.y).iter().map(winding).sum::<i32>() != 0
     }
 
-    /// From where to where it goes along the horizontal line at height `y`, ascending.
+    /// Intervals of x in which the horizontal line at height `y` is inside, ascending.
     pub fn spans(&self, y: f32) -> SmallVec<[(f32, f32); 4]> {
         let mut crossings: SmallVec<[(f32, i32); 8]> =
             self.inner.near(y).iter().filter_map(|&side| crossing(side, y)).collect();
@@ -154,11 +154,11 @@ impl Outline {
         spans
     }
 
-    /// Whether it is an outline: polygons of three corners or more, 20,000 in all, at most 1e6 from 0, none of which
-    /// crosses or touches itself. O(n log n) for polygons of short sides.
+    /// Checks that this is an outline: polygons of three corners or more, 20,000 in all, at most 1e6 from 0,
+    /// none of which crosses or touches itself. O(n log n) for polygons of short sides.
     ///
     /// # Errors
-    /// The first of these that is not so.
+    /// The first of these that does not hold.
     pub fn check(&self) -> Result<(), ParameterError> {
         let Inner { contours, min, max, .. } = &*self.inner;
         self.inner.fit.clone()?;
@@ -247,7 +247,7 @@ fn turn(a: Vec2, b: Vec2, c: Vec2) -> f64 {
     (b - a).perp_dot(c - a)
 }
 
-/// Whether the way from a by b to c comes back on itself.
+/// `true` if the path from a through b to c doubles back on itself.
 fn turns_back(a: Vec2, b: Vec2, c: Vec2) -> bool {
     turn(a, b, c) == 0.0 && (b - a).as_dvec2().dot((c - b).as_dvec2()) < 0.0
 }

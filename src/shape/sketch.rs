@@ -9,13 +9,14 @@ use crate::{ParameterError, math};
 
 /// The crown that a silhouette is the front view of, and perhaps another the side view.
 ///
-/// At every height the silhouette goes from some x to another; around the middle of the two lies a cross profile, a
-/// closed curve that reaches them both. Swept from the foot of the silhouette to its top, the profiles are the crown's
-/// surface. Where the silhouette goes in several pieces at a height, each has a profile of its own. Without a side view the
-/// crown is as deep as it is wide, in the plane z = 0; with one it reaches the side view's ends.
+/// At every height the silhouette goes from some x to another; around the middle of the two lies a cross
+/// profile, a closed curve that reaches them both. Swept from the bottom of the silhouette to its top, the
+/// profiles are the crown's surface. If the silhouette has several pieces at a height, each has a profile of
+/// its own. Without a side view the crown is as deep as it is wide, in the plane z = 0; with one it reaches
+/// the side view's ends.
 ///
-/// Profiles are circles, stretched to the silhouettes, until they are [edited](Self::with_profiles). Heights are those of
-/// the front view; of a side view what lies above or below it does not count.
+/// Profiles are circles, stretched to the silhouettes, until they are [edited](Self::with_profiles). Heights
+/// are those of the front view; parts of a side view above or below it do not count.
 ///
 /// ```
 /// use treesynth::{Shape, glam::{Vec2, Vec3}, shape::{CrossProfile, Outline, Sketch}};
@@ -108,8 +109,8 @@ impl Sketch {
         self.bounded()
     }
 
-    /// Sets the cross profiles, 1 to 1000, the first at the foot of the front view and the last at its top, the others
-    /// evenly between; in between radii change linearly. One round profile by default.
+    /// Sets the cross profiles, 1 to 1000, the first at the bottom of the front view and the last at its top,
+    /// the others evenly between; in between radii change linearly. One round profile by default.
     pub fn with_profiles(mut self, profiles: impl Into<Vec<CrossProfile>>) -> Self {
         self.profiles = profiles.into();
         self.bounded()
@@ -125,12 +126,13 @@ impl Sketch {
         self.side.as_ref()
     }
 
-    /// The cross profiles, from the foot to the top.
+    /// The cross profiles, from the bottom to the top.
     pub fn profiles(&self) -> &[CrossProfile] {
         &self.profiles
     }
 
-    /// Whether a point lies in the profile of a height; `offset` from the middle in shares of the silhouettes' reach.
+    /// `true` if a point lies in the profile at the height `y`; `offset` is its position relative to the
+    /// middle, in shares of the silhouettes' reach.
     fn profile_holds(&self, y: f32, offset: Vec2) -> bool {
         let square = offset.length_squared();
         if self.profiles.iter().all(|profile| *profile == CrossProfile::ROUND) {
@@ -146,7 +148,7 @@ impl Sketch {
         square <= reach * reach
     }
 
-    /// With its bounds as they are now.
+    /// Updates the bounds.
     fn bounded(mut self) -> Self {
         let most = self.most();
         let (low, high) = (self.front.min(), self.front.max());

@@ -1,4 +1,4 @@
-//! What every shape must keep, over one list of shapes.
+//! The contract of every shape, checked over one list of shapes.
 
 use std::sync::Arc;
 
@@ -45,7 +45,7 @@ fn shapes(center: Vec3, sizes: Vec3) -> Vec<(&'static str, Box<dyn Shape>)> {
     ]
 }
 
-/// On three corners of a box; where numbers are no good, a ball that is none either.
+/// A tetrahedron on three corners of a box; for invalid numbers, an invalid ball.
 fn tetrahedron(center: Vec3, sizes: Vec3) -> Box<dyn Shape> {
     let corners = [center, center + Vec3::X * sizes, center + Vec3::Y * sizes, center + Vec3::Z * sizes];
     let faces = [[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]];

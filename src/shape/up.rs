@@ -14,8 +14,8 @@ pub enum UpAxis {
     /// +Y, as in glTF, OBJ and this crate.
     #[default]
     Y,
-    /// +Z, as in Blender, in most STL and PLY files, for printers and point clouds. What is +Y here is +Z there, and
-    /// what is +Z here is -Y there.
+    /// +Z, as in Blender, in most STL and PLY files, for printers and point clouds. +Y here is +Z there, and
+    /// +Z here is -Y there.
     Z,
 }
 

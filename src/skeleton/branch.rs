@@ -67,7 +67,7 @@ pub(super) fn orders(skeleton: &Skeleton) -> Vec<u16> {
 
 /// For each node the child of its own order; itself where there is none.
 ///
-/// Beyond 65,535 orders, which cannot be told apart, the last such child is as good as any.
+/// Beyond 65,535 orders, which cannot be distinguished, the last such child is as good as any.
 fn axis_children(skeleton: &Skeleton) -> Vec<u32> {
     let mut axis: Vec<u32> = (0..skeleton.len() as u32).collect();
     for (node, parent) in skeleton.edges() {
@@ -85,12 +85,12 @@ pub(super) fn check_orders(skeleton: &Skeleton, orders: &[u16]) -> Result<(), Sk
     }
     let mut goes_on = vec![false; skeleton.len()];
     for (node, parent) in skeleton.edges() {
-        let (order, bearer) = (orders[node], orders[parent]);
-        let branches_off = order == bearer.saturating_add(1);
+        let (order, parent_order) = (orders[node], orders[parent]);
+        let branches_off = order == parent_order.saturating_add(1);
         // The highest number stands for all beyond it.
-        let is_axis = order == bearer && order < u16::MAX;
+        let is_axis = order == parent_order && order < u16::MAX;
         if !branches_off && (!is_axis || goes_on[parent]) {
-            return Err(wrong(node, bearer));
+            return Err(wrong(node, parent_order));
         }
         goes_on[parent] |= is_axis;
     }
@@ -105,7 +105,8 @@ pub struct Branch<'a> {
 }
 
 impl<'a> Branch<'a> {
-    /// The nodes from where the branch springs (a node of its bearing axis; the root for the trunk) to its tip.
+    /// The nodes from where the branch springs (a node of its parent axis; the root for the trunk) to its
+    /// tip.
     pub fn nodes(&self) -> &'a [u32] {
         self.nodes
     }
@@ -158,7 +159,7 @@ impl Branches {
         self.orders.is_empty()
     }
 
-    /// Every branch, its bearing axis before it.
+    /// Every branch, its parent axis before it.
     pub fn iter(&self) -> impl ExactSizeIterator<Item = Branch<'_>> {
         self.orders.iter().enumerate().map(|(i, &order)| Branch {
             nodes: &self.nodes[self.starts[i] as usize..self.starts[i + 1] as usize],

@@ -15,7 +15,7 @@ use glam::Vec3;
 ///
 /// A value of this type always satisfies [`check`](Self::check): the constructors refuse what does not.
 ///
-/// Memory: 28 bytes a node.
+/// Memory: 28 bytes per node.
 ///
 /// ```
 /// use treesynth::{Skeleton, glam::Vec3};
@@ -57,7 +57,7 @@ pub enum SkeletonError {
     /// An array is not as long as the positions.
     #[error("{array} has {length} entries, but there are {nodes} nodes")]
     Length {
-        /// Which array.
+        /// The array's name.
         array: &'static str,
         /// Its length.
         length: usize,
@@ -102,8 +102,8 @@ pub enum SkeletonError {
     },
     /// Branch orders that no axes have.
     #[error(
-        "node {node} has the order {order} on one of the order {parent}, but orders begin at 0, and each is that of its \
-         parent, for one child at most, or one more"
+        "node {node} has the order {order} after the order {parent}, but the root must have the order 0, at most one \
+         child of a node the order of that node, and all other children one more"
     )]
     Order {
         /// The node.
@@ -215,7 +215,7 @@ impl Skeleton {
     /// Sets the hops of each node.
     ///
     /// # Errors
-    /// When there is not one number a node.
+    /// Unless there is one number per node.
     pub fn with_hops(mut self, hops: Vec<u32>) -> Result<Self, SkeletonError> {
         same_length("hops", hops.len(), self.len())?;
         self.hops = hops;
@@ -255,7 +255,7 @@ impl Skeleton {
         (1..self.len()).map(|node| (node, self.parents[node] as usize))
     }
 
-    /// Radius of each node's internode, metres. The root's is that of the tree's foot.
+    /// Radius of each node's internode, metres. The root's is that of the trunk base.
     pub fn radii(&self) -> &[f32] {
         &self.radii
     }
@@ -265,7 +265,8 @@ impl Skeleton {
         &self.stages
     }
 
-    /// Branch order of each node (Gravelius): 0 on the trunk, one more on each branch than on its bearing axis.
+    /// Branch order of each node (Gravelius): 0 on the trunk, one more on each branch than on its parent
+    /// axis.
     ///
     /// Unless they were [set](Self::with_orders), the axis goes on at a fork in the child of the earliest stage, then in
     /// the one with the most tips, then in the one of the lowest index.
@@ -292,7 +293,7 @@ impl Skeleton {
         bears.into_iter().enumerate().filter(|(_, bears)| !bears).map(|(node, _)| node)
     }
 
-    /// The branches, each bearing axis before what it bears. O(n).
+    /// The branches, each parent axis before its laterals. O(n).
     ///
     /// ```
     /// # use treesynth::{Skeleton, glam::Vec3};
@@ -309,8 +310,8 @@ impl Skeleton {
         Branches::new(self)
     }
 
-    /// Whether this is a tree: one root at index 0, every parent before its child (hence no cycle), finite
-    /// positions, finite radii of at least zero, all arrays of one length. O(n).
+    /// Checks that this is a tree: one root at index 0, every parent before its child (hence no cycle),
+    /// finite positions, finite radii of at least zero, all arrays of one length. O(n).
     ///
     /// # Errors
     /// The first violation found.

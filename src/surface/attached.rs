@@ -1,4 +1,4 @@
-//! Whether each tube touches the branch that bears it, measured on the triangles.
+//! Gaps between tubes and their parent branches, measured on the triangles.
 
 use super::weave::Plan;
 use super::{Mesh, Tubes};
@@ -6,7 +6,8 @@ use crate::Skeleton;
 use glam::{DVec3, Vec3};
 use std::ops::Range;
 
-/// The largest gap between a tube's first ring and the wood that bears it: metres, and radii of the tube.
+/// The largest gap between a tube's first ring and the wood of its parent branch: metres, and radii of the
+/// tube.
 const GAP: f64 = 2e-3;
 const GAP_RADII: f64 = 0.1;
 /// A gap that rounding makes, metres.
@@ -20,9 +21,9 @@ struct Tube {
     ring: Range<usize>,
     /// Its indices in the mesh.
     indices: Range<usize>,
-    /// The number of the tube that bears it.
+    /// The number of its parent tube.
     parent: Option<usize>,
-    /// Of its first internode, metres.
+    /// Radius of its first internode, metres.
     radius: f64,
     place: Vec3,
 }
@@ -31,7 +32,7 @@ struct Tube {
 #[derive(Debug, Clone, Copy)]
 #[allow(dead_code, reason = "what is not read is printed")]
 struct Gap {
-    /// Between its first ring and the parent branch, or what bears that, metres.
+    /// Gap between its first ring and the parent branch, or the branch that bears that one, metres.
     width: f64,
     radius: f64,
     place: Vec3,
@@ -85,8 +86,8 @@ impl Body {
         best.sqrt()
     }
 
-    /// Whether its triangles wind around a point, from what a ray from there crosses. Several rays vote, for one may
-    /// graze an edge.
+    /// `true` if its triangles wind around a point, judged by the triangles that rays from there cross.
+    /// Several rays vote, since one may graze an edge.
     fn holds(&self, point: DVec3) -> bool {
         let ways =
             [DVec3::new(0.31, 0.53, 0.79), DVec3::new(-0.83, 0.27, 0.49), DVec3::new(0.43, -0.71, 0.56)];
@@ -102,7 +103,7 @@ impl Body {
                 continue;
             }
             for [a, b, c] in chunk.iter().map(|triangle| triangle.map(|corner| corner - point)) {
-                // Which side of each edge the ray passes.
+                // The side of each edge on which the ray passes.
                 let sides = [way.dot(a.cross(b)), way.dot(b.cross(c)), way.dot(c.cross(a))];
                 let facing = (b - a).cross(c - a);
                 if sides.iter().all(|side| *side >= 0.0) && facing.dot(a) > 0.0 {
@@ -145,7 +146,7 @@ fn nearest(point: DVec3, [a, b, c]: [DVec3; 3]) -> DVec3 {
     a + ab * (vb / total) + ac * (vc / total)
 }
 
-/// The tubes of a plan, and their mesh. Their bases are closed, so that inside and outside can be told.
+/// The tubes of a plan, and their mesh. Their bases are closed, so that inside and outside are defined.
 fn tubes(plan: &Plan, options: &Tubes) -> (Vec<Tube>, Mesh) {
     let mut tubes: Vec<Tube> = Vec::new();
     let (mut vertices, mut indices) = (0, 0);
@@ -182,18 +183,18 @@ fn gaps(skeleton: &Skeleton, options: &Tubes) -> Vec<Gap> {
     gaps_of(&tubes, &mesh, 1)
 }
 
-/// The same of tubes in a mesh, each or one of so many.
+/// The gaps of the tubes in a mesh: of every `each`-th tube.
 fn gaps_of(tubes: &[Tube], mesh: &Mesh, each: usize) -> Vec<Gap> {
     let mut bodies: Vec<Option<Body>> = tubes.iter().map(|_| None).collect();
     let mut gaps = Vec::new();
     for tube in tubes.iter().filter(|tube| tube.parent.is_some()).step_by(each) {
         let mut gap = Gap { width: 0.0, radius: tube.radius, place: tube.place };
         for point in &mesh.positions[tube.ring.clone()] {
-            let (mut least, mut bearer) = (f64::MAX, tube.parent);
-            while let Some(number) = bearer.filter(|_| least > NOTHING) {
+            let (mut least, mut parent) = (f64::MAX, tube.parent);
+            while let Some(number) = parent.filter(|_| least > NOTHING) {
                 let body = bodies[number].get_or_insert_with(|| Body::of(mesh, &tubes[number]));
                 least = least.min(body.outside(point.as_dvec3()));
-                bearer = tubes[number].parent;
+                parent = tubes[number].parent;
             }
             gap.width = gap.width.max(least);
         }
@@ -211,7 +212,7 @@ mod tests {
     use proptest::test_runner::{Config, RngAlgorithm, TestRng, TestRunner};
 
     /// Fails where a tube of these skeletons floats; says how many do and which is worst.
-    fn hold(name: &str, skeletons: &[Skeleton], options: &Tubes) {
+    fn check(name: &str, skeletons: &[Skeleton], options: &Tubes) {
         for skeleton in skeletons.iter().filter(|skeleton| skeleton.segments() > 0) {
             let gaps = gaps(skeleton, options);
             let floating = gaps.iter().filter(|gap| gap.floats());
@@ -221,24 +222,25 @@ mod tests {
         }
     }
 
-    /// The trees of all presets of the four systems, with so many nodes for each preset of the first two.
-    fn hold_presets(seeds: u64, nodes: usize, shape_nodes: usize, options: &Tubes) {
+    /// Checks the trees of all presets of the guided and the variational system, with `nodes` nodes and
+    /// `shape_nodes` shape nodes each.
+    fn check_presets(seeds: u64, nodes: usize, shape_nodes: usize, options: &Tubes) {
         for seed in 0..seeds {
             for preset in presets::guided() {
                 let tree = preset.synth(nodes).synthesize(preset.seed + seed).expect("a tree");
                 let relaxed = tree.clone().relaxed(0.5, 3).expect("sound options");
-                hold(preset.name, &[tree, relaxed], options);
+                check(preset.name, &[tree, relaxed], options);
             }
             for preset in variational::presets() {
                 let synth = preset.synth(shape_nodes).expect("enough shape nodes");
-                hold(preset.name, &[synth.synthesize(preset.seed + seed).expect("a tree")], options);
+                check(preset.name, &[synth.synthesize(preset.seed + seed).expect("a tree")], options);
             }
         }
     }
 
     #[test]
     fn tubes_touch_what_bears_them() {
-        hold_presets(2, 5_000, 300, &Tubes::default());
+        check_presets(2, 5_000, 300, &Tubes::default());
     }
 
     #[test]
@@ -246,7 +248,7 @@ mod tests {
         for stand in presets::stands() {
             let mut forest = stand.plant(stand.seed).expect("a preset");
             forest.grow(stand.seasons.min(12)).expect("seasons");
-            hold(stand.name, &forest.skeletons().expect("skeletons"), &Tubes::default().with_sides(6));
+            check(stand.name, &forest.skeletons().expect("skeletons"), &Tubes::default().with_sides(6));
         }
     }
 
@@ -256,7 +258,7 @@ mod tests {
             let growth = preset.grow(preset.seed).expect("a preset");
             let ages = preset.ages.iter().map(|age| age.min(14.6));
             let trees: Vec<Skeleton> = ages.map(|age| growth.at(age).expect("an age").skeleton).collect();
-            hold(preset.name, &trees, &Tubes::default());
+            check(preset.name, &trees, &Tubes::default());
         }
     }
 
@@ -264,7 +266,7 @@ mod tests {
     fn tubes_with_an_error_touch_what_bears_them() {
         for (preset, error) in presets::guided().zip([0.001, 0.01, 0.1].into_iter().cycle()) {
             let tree = preset.synth(5_000).synthesize(preset.seed).expect("a tree");
-            hold(preset.name, &[tree], &Tubes::default().with_error(error).with_wind(true));
+            check(preset.name, &[tree], &Tubes::default().with_error(error).with_wind(true));
         }
     }
 
@@ -275,7 +277,8 @@ mod tests {
             Tubes::default().with_error(0.01),
             Tubes::default().with_sides(3).with_least_sides(3).with_root_flare(3.0),
         ];
-        // Of 256,000 such tubes none floats, but branches that turn on the spot do as they please: always the same ones.
+        // None of 256,000 such tubes floats, but there is no guarantee for branches that turn on the spot; so
+        // the cases are always the same ones.
         let config = Config { cases: 500, failure_persistence: None, ..Config::default() };
         let mut runner = TestRunner::new_with_rng(config, TestRng::deterministic_rng(RngAlgorithm::ChaCha));
         let result = runner.run(&skeletons(40), |skeleton| {
@@ -345,12 +348,13 @@ mod tests {
         result.expect("no gap opens");
     }
 
-    /// Of so many tubes of a tree of full size one is looked at, and of so many presets one: all of them take minutes.
+    /// One tube in this many is checked on trees of full size, and some of the presets, since all of them
+    /// take minutes.
     const SAMPLED: usize = 23;
 
     #[test]
     fn tubes_of_full_size_touch_what_bears_them() {
-        let hold = |name: &str, skeleton: &Skeleton| {
+        let check = |name: &str, skeleton: &Skeleton| {
             let options = Tubes::default();
             let plan = options.plan(skeleton).expect("a skeleton with a surface");
             let (tubes, mesh) = tubes(&plan, &options);
@@ -361,24 +365,24 @@ mod tests {
         };
         for preset in presets::guided().step_by(6) {
             let tree = preset.synth(presets::TYPICAL_NODES).synthesize(preset.seed).expect("a tree");
-            hold(preset.name, &tree);
+            check(preset.name, &tree);
         }
         for preset in variational::presets().step_by(6) {
             let synth = preset.synth(3_500).expect("enough shape nodes");
-            hold(preset.name, &synth.synthesize(preset.seed).expect("a tree"));
+            check(preset.name, &synth.synthesize(preset.seed).expect("a tree"));
         }
         for stand in presets::stands().step_by(5) {
             let forest = stand.grow(stand.seed).expect("a preset");
             for skeleton in forest.skeletons().expect("skeletons").iter().take(1) {
                 if skeleton.segments() > 0 {
-                    hold(stand.name, skeleton);
+                    check(stand.name, skeleton);
                 }
             }
         }
         for preset in presets::grown().step_by(4) {
             let growth = preset.grow(preset.seed).expect("a preset");
             let oldest = preset.ages.iter().copied().fold(0.0, f32::max);
-            hold(preset.name, &growth.at(oldest).expect("an age").skeleton);
+            check(preset.name, &growth.at(oldest).expect("an age").skeleton);
         }
     }
 

@@ -22,14 +22,14 @@ const SHARPEST_TURN: f32 = -0.5;
 const MOST_PARTS: f32 = 64.0;
 /// Height of the root flare, in radii of the trunk base.
 const FLARE_REACH: f32 = 4.0;
-/// The longest part of a flared internode, in radii of the foot.
+/// The longest part of a flared internode, in radii of the trunk base.
 const FLARE_PART: f32 = 0.5;
 
 /// Place of a ring.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Station {
     pub(super) position: Vec3,
-    /// Zero where it is too small to be told from zero.
+    /// Radius; zero where it is too small for 32-bit floats to tell it from zero.
     pub(super) radius: f32,
     /// The unit direction of the axis.
     pub(super) tangent: Vec3,
@@ -74,7 +74,7 @@ impl Station {
 pub(super) struct Axis {
     /// The stations of its rings.
     pub(super) stations: Range<usize>,
-    /// Whether the station before these is the start of a collar that leads to the first of them.
+    /// `true` if the station before these is the start of a collar that leads to the first of them.
     pub(super) has_collar: bool,
     /// The first station of its wood: that of its first ring, or the start of its collar.
     pub(super) wood: usize,
@@ -89,7 +89,7 @@ pub(super) struct Axis {
     pub(super) bearing: Option<(usize, usize)>,
 }
 
-/// The axes of a skeleton, each bearing one before what it bears.
+/// The axes of a skeleton, each parent axis before its laterals.
 #[derive(Debug, Default)]
 pub(super) struct Axes {
     pub(super) stations: Vec<Station>,
@@ -186,14 +186,15 @@ struct Knot {
 struct Sampler<'a> {
     options: &'a Tubes,
     dropped: &'a Dropped,
-    /// Of the present branch.
+    /// Knots of the current branch.
     knots: Vec<Knot>,
     /// The station of each knot of the latest sample.
     marks: Vec<u32>,
 }
 
 impl Sampler<'_> {
-    /// The trunk has a foot of its own; any other branch starts with the radius of its first internode.
+    /// Collects the knots of a branch. The trunk base has a radius of its own; any other branch starts with
+    /// the radius of its first internode.
     fn gather(&mut self, skeleton: &Skeleton, nodes: &[u32], is_trunk: bool) {
         self.knots.clear();
         for (i, &node) in nodes.iter().enumerate() {
@@ -242,7 +243,7 @@ impl Sampler<'_> {
         if knots.iter().all(|knot| knot.radius == 0.0) {
             return false;
         }
-        // A trunk that leans up to 60° still stands on the ground with its whole foot.
+        // A trunk that leans up to 60° still stands on the ground with its whole base.
         let stands = stands && knots[1].direction.dot(UP) > 0.5;
         let tangent_at = |i: usize| match i {
             0 if stands => UP,
@@ -254,9 +255,9 @@ impl Sampler<'_> {
                     .normalize_or(before.direction)
             }
         };
-        let foot = if stands { knots[0].radius } else { 0.0 };
+        let base = if stands { knots[0].radius } else { 0.0 };
         let flared = |radius: f32, height: f32| {
-            let rest = 1.0 - height / (foot * FLARE_REACH);
+            let rest = 1.0 - height / (base * FLARE_REACH);
             if rest > 0.0 { radius * (1.0 + self.options.root_flare * rest * rest * rest) } else { radius }
         };
         let mut tangent = tangent_at(0);
@@ -278,8 +279,8 @@ impl Sampler<'_> {
             let (before, after) = (tangent * to.length, tangent_at(i) * to.length);
             let turn = tangent.distance(to.direction) + to.direction.distance(after / to.length);
             let mut parts = self.options.parts(turn, to.length);
-            if station.along - along < foot * FLARE_REACH && self.options.root_flare > 0.0 {
-                parts = parts.max((to.length / (foot * FLARE_PART)).ceil());
+            if station.along - along < base * FLARE_REACH && self.options.root_flare > 0.0 {
+                parts = parts.max((to.length / (base * FLARE_PART)).ceil());
             }
             let parts = parts.min(MOST_PARTS) as u32;
             for part in 1..=parts {
@@ -291,7 +292,7 @@ impl Sampler<'_> {
                 };
                 let length = station.along + station.position.distance(position);
                 // Near the ground rings are level: those of a thick trunk that leans at once would cross.
-                let upright = (1.0 - (length - along) / (foot * FLARE_REACH)).max(0.0);
+                let upright = (1.0 - (length - along) / (base * FLARE_REACH)).max(0.0);
                 let direction = (direction.normalize_or(station.tangent) * (1.0 - upright) + UP * upright)
                     .normalize_or(station.tangent);
                 station = Station {
@@ -341,7 +342,7 @@ fn across(seam: Vec3, tangent: Vec3) -> Vec3 {
     if across.length_squared() > 1e-4 { across.normalize() } else { perpendicular(tangent) }
 }
 
-/// Rings begin where they are seen least: on the side of the bearing branch's foot.
+/// Rings begin where they are seen least: on the side of the parent branch's base.
 fn seam(skeleton: &Skeleton, bearer: usize) -> Vec3 {
     let Some(parent) = skeleton.parent(bearer) else { return Vec3::ZERO };
     (skeleton.positions()[parent] - skeleton.positions()[bearer]).normalize_or_zero()

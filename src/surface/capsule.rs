@@ -17,8 +17,9 @@ pub struct Capsule {
 
 /// The branches of a tree as capsules, few enough for a physics engine.
 ///
-/// What it guarantees: every internode that is not too thin, as a capsule with its node's radius, lies within the
-/// union of the capsules grown by the tolerance; and no capsule is thicker than the thickest internode it stands for.
+/// Guaranteed: every internode that is not too thin, as a capsule with its node's radius, lies within the
+/// union of the capsules grown by the tolerance; and no capsule is thicker than the thickest internode it
+/// stands for.
 ///
 /// ```
 /// use treesynth::{Skeleton, glam::Vec3, surface::Capsules};
@@ -59,7 +60,7 @@ impl Capsules {
         self
     }
 
-    /// The capsules of all branches, each bearing branch before what it bears. O(nodes).
+    /// The capsules of all branches, each parent branch before its laterals. O(nodes).
     ///
     /// # Errors
     /// An option out of range.

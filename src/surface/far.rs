@@ -1,8 +1,8 @@
 //! Things far from the origin: their surfaces are made near it and moved back.
 //!
-//! Steps between 32-bit floats grow with the coordinate: at 10 km they are 1 mm, at 454 km 3 cm. Whatever is computed there is
-//! as coarse, again and again. So what is far is moved near the origin first, which rounds nothing, and its surface is rounded
-//! once, on its way back.
+//! Steps between 32-bit floats grow with the coordinate: at 10 km they are 1 mm, at 454 km 3 cm. Every
+//! computation there is as coarse, and errors add up. Far things are therefore moved near the origin first,
+//! which rounds nothing, and their surface is rounded once, on its way back.
 
 use super::mesh::has_area;
 use super::{Mesh, SurfaceError};
@@ -10,17 +10,18 @@ use crate::{Bounds, Skeleton};
 use glam::{DVec3, Vec3};
 use std::borrow::Cow;
 
-/// What lies so many of its own sizes from the origin along an axis is moved; from 2 on that rounds nothing (Sterbenz 1974).
+/// A thing farther than this many of its own sizes from the origin along an axis is moved; from 2 on that
+/// rounds nothing (Sterbenz 1974).
 const FAR: f32 = 4.0;
 /// Farther out than this, in metres, nothing is computed.
 const FARTHEST: f32 = 1e9;
 /// The largest share of a surface whose triangles may be turned over or lose their area when its vertices are rounded.
 const MOST_LOST: f64 = 0.02;
-/// How often vertices are sought that give triangles an area.
+/// Number of rounds in which vertices are moved to give flat triangles an area.
 const TRIES: usize = 8;
 
-/// What is taken off something that reaches so far, so that it lies near the origin: on each axis the coordinate `at` within its
-/// box, or 0 where it is near.
+/// The offset that is subtracted from a thing within `bounds` so that it lies near the origin: on each axis
+/// the coordinate of `at`, a point within its box, or 0 where it is near.
 pub(super) fn offset(at: Vec3, bounds: Bounds) -> Vec3 {
     let size = bounds.size().max_element();
     if !bounds.is_finite() || bounds.min.abs().max(bounds.max.abs()).max_element() > FARTHEST {
@@ -29,14 +30,14 @@ pub(super) fn offset(at: Vec3, bounds: Bounds) -> Vec3 {
     Vec3::select(at.abs().cmpgt(Vec3::splat(FAR * size)), at, Vec3::ZERO)
 }
 
-/// What is taken off a skeleton: coordinates of its root.
+/// The offset that is subtracted from a skeleton: coordinates of its root.
 pub(super) fn offset_of(skeleton: &Skeleton) -> Vec3 {
     let widest = skeleton.radii().iter().copied().fold(0.0, f32::max);
     let nodes = Bounds::of(skeleton.positions().iter().copied());
     offset(skeleton.positions()[0], Bounds::new(nodes.min - widest, nodes.max + widest))
 }
 
-/// Whether a skeleton is moved.
+/// `true` if a skeleton is moved near the origin.
 pub(crate) fn is_far(skeleton: &Skeleton) -> bool {
     offset_of(skeleton) != Vec3::ZERO
 }
@@ -123,7 +124,7 @@ fn shapeless(before: &[Vec3], mesh: &Mesh, offset: Vec3) -> SurfaceError {
     SurfaceError::Shapeless { position: offset, step: step(offset), lost: lost(before, mesh) as f32 }
 }
 
-/// What is between a coordinate and the next that 32-bit floats have, the greatest of the three axes.
+/// Distance between a coordinate and the next 32-bit float, the greatest of the three axes.
 pub(crate) fn step(position: Vec3) -> f32 {
     let most = position.abs().max_element();
     most.next_up() - most
@@ -174,7 +175,8 @@ fn give_area(mesh: &mut Mesh) {
     }
 }
 
-/// The places a step along each axis: the next that floats have, but no step that is lost beside the longest.
+/// The places one step away along each axis: the next float, but at least a 64th of the step of the largest
+/// coordinate.
 fn neighbours(place: Vec3) -> [Vec3; 6] {
     let least = step(place) / 64.0;
     std::array::from_fn(|i| {

@@ -1,4 +1,4 @@
-//! Which internode a point is next to.
+//! Search for the internode that is nearest to a point.
 
 use super::sway::part;
 use glam::Vec3;
@@ -93,7 +93,7 @@ impl<'a> Internodes<'a> {
         }
     }
 
-    /// At least so far outside is a point of all in a box.
+    /// Lower bound of a point's distance outside of all internodes in a box.
     fn bound(&self, number: usize, point: Vec3) -> f32 {
         let (low, high, radius) = self.boxes[number];
         // A little low, so that rounding hides nothing.

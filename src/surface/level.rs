@@ -8,16 +8,16 @@ use crate::parallel;
 use crate::{Bounds, ParameterError, Skeleton};
 use std::{iter, mem};
 
-/// How much the error grows from one try to the next, until a level is small enough.
+/// Factor on the error from one try to the next, until a level is small enough.
 const STEP: f32 = 1.25;
-/// Tries until triangles are halved, mostly.
+/// Usual number of tries until triangles are halved.
 const USUAL: usize = 4;
 
 /// A chain of meshes of one skeleton, each of at most half the triangles of the one before.
 ///
-/// Every level is [`Tubes::with_error`] at the least error that halves the triangles, found in steps of a quarter. So
-/// small branches go first, silhouettes agree within a few errors, nothing is random, and all levels share their axes:
-/// one can fade into the next.
+/// Every level is [`Tubes::with_error`] at the least error that halves the triangles, found in steps of a
+/// quarter. Small branches go first, silhouettes agree within a few errors, nothing is random, and all levels
+/// share their axes: one can fade into the next.
 ///
 /// ```
 /// use treesynth::{presets, surface::Levels};
@@ -49,10 +49,11 @@ crate::recipe::readable!(&Levels { tubes: Tubes });
 pub struct Level {
     /// The surface.
     pub mesh: Mesh,
-    /// Greatest difference from the smooth tubes, metres. Show it from where this is less than a pixel: at a
-    /// distance of `error · height / (2·tan(fov / 2))`, for a picture of so many pixels height and a vertical field of
-    /// view. In [screen coverage](crate::export::GlbOptions::with_coverages) that is, for all levels but the last, the tree's
-    /// height over the next level's error and the picture's height in pixels; 0 for the last.
+    /// Greatest difference from the smooth tubes, metres. Show the level from the distance at which this is
+    /// less than a pixel: `error · height / (2·tan(fov / 2))` for a picture of `height` pixels height and the
+    /// vertical field of view `fov`. In [screen coverage](crate::export::GlbOptions::with_coverages) that is,
+    /// for all levels but the last, the tree's height over the next level's error and the picture's height in
+    /// pixels; 0 for the last.
     pub error: f32,
 }
 
@@ -84,8 +85,8 @@ impl Levels {
 
     /// The levels, finest first; none for a tree without a surface.
     ///
-    /// O(nodes) for each try, of which there are two or three a level of a tree of many branches, and the time of each
-    /// mesh. With the feature `parallel` a mesh is made while the next error is looked for.
+    /// O(nodes) for each try, of which there are two or three per level of a tree of many branches, and the
+    /// time of each mesh. With the feature `parallel` a mesh is made while the next error is looked for.
     ///
     /// # Errors
     /// A count out of range; whatever [`Tubes::mesh`] refuses.
@@ -93,7 +94,7 @@ impl Levels {
         self.levels(skeleton, None)
     }
 
-    /// As [`of`](Self::of), telling `observer` how far it is and stopping when told to.
+    /// As [`of`](Self::of), reporting progress to `observer`, which can cancel the work.
     ///
     /// # Errors
     /// As [`of`](Self::of), and [`SurfaceError::Cancelled`].
@@ -134,7 +135,7 @@ impl Levels {
             let is_last = levels.len() + 1 == self.count as usize;
             let weave = || plan.weave_watched(&tubes(error), watch);
             let look_ahead = || if is_last { Ok(None) } else { after(plan.triangles) };
-            // One after the other for an observer, who is told from one thread.
+            // One after the other for an observer, which gets reports from one thread.
             let (mesh, ahead) =
                 if is_watched { (weave(), look_ahead()) } else { parallel::join(weave, look_ahead) };
             let mesh = far::back_open(mesh?, offset)?;
@@ -151,7 +152,7 @@ impl Levels {
 }
 
 impl Tubes {
-    /// The most detailed tubes of at most so many triangles.
+    /// The most detailed tubes of at most `triangles` triangles.
     ///
     /// That is [`with_error`](Self::with_error) at the least error that keeps the budget, found in steps of an eighth, but
     /// branches go sooner than the others lose their shape: those that show less than 4 (2 `error`)² with all they bear. A
@@ -179,9 +180,9 @@ impl Tubes {
         triangles: usize,
         watch: &Watch<'_>,
     ) -> Result<(Level, Vec<bool>), SurfaceError> {
-        /// How much the error grows from one step to the next.
+        /// Factor on the error from one step to the next.
         const STEP: f32 = 1.125;
-        /// Of the thickest radius: the least error tried.
+        /// The least error tried, as a share of the thickest radius.
         const LEAST: f32 = 1e-3;
         /// Branches go sooner than the others lose their shape by this factor.
         const UNSEEN: f32 = 2.0;
@@ -219,9 +220,10 @@ impl Tubes {
     }
 }
 
-/// The least step after `step` at which there are at most so many triangles, and its plan; `None` if there is none.
+/// The least step after `step` at which there are at most `most` triangles, and its plan; `None` if there is
+/// none.
 ///
-/// Triangles get fewer with every step, so that it is looked for from where it mostly is.
+/// Triangles get fewer with every step; the search starts at the usual one.
 fn half(
     step: usize,
     errors: &[f32],

@@ -1,4 +1,4 @@
-//! Where snow lies, moss grows and water runs.
+//! Masks for snow, moss and water on a surface.
 
 use super::mesh::has_area;
 use super::{Mesh, SurfaceError, Wind};
@@ -9,11 +9,12 @@ use glam::{IVec3, Vec3, Vec3Swizzles, Vec4};
 use std::collections::BTreeMap;
 use std::f32::consts::PI;
 
-/// What is covered of a surface: by direction, by height, in patches.
+/// The covered part of a surface: by direction, by height, in patches.
 ///
-/// At a vertex the mask is a number from 0 to 1, in this order: 0 to 1 as the normal turns from one angle off the
-/// [direction](Self::with_direction) to another; times 1 to 0 between two [heights](Self::with_heights), if these matter; plus
-/// [noise](Self::with_patches) in space, so that borders are irregular and levels of detail agree. What is above a half is covered.
+/// At a vertex the mask is a number from 0 to 1, in this order: 0 to 1 as the normal turns from one angle off
+/// the [direction](Self::with_direction) to another; times 1 to 0 between two [heights](Self::with_heights),
+/// if these matter; plus [noise](Self::with_patches) in space, so that borders are irregular and levels of
+/// detail agree. The surface is covered where the mask is above a half.
 ///
 /// [`cut`](Self::cut) makes two meshes of one along the line where the mask is a half, of which the second wears images of
 /// its own; so every engine and every format shows it, without layers, shaders or vertex alpha. [`tint`](Self::tint) multiplies
@@ -43,11 +44,11 @@ pub struct Mask {
     seed: u64,
 }
 
-/// Of a cover's thickness there is all where the mask is so far above a half.
+/// Excess of the mask over a half at which a cover has its full thickness.
 const FULL: f32 = 0.35;
-/// How often a side is halved at the most.
+/// Greatest number of times that a side is halved.
 const ROUNDS: usize = 5;
-/// A side is halved where the mask in its middle is so far off the mean of its ends.
+/// A side is halved if the mask in its middle differs by more than this from the mean of its ends.
 const BENT: f32 = 0.1;
 
 impl Mask {
@@ -91,14 +92,16 @@ impl Mask {
         }
     }
 
-    /// Where rain reaches: what faces up, and the side of the trunk that faces towards +x; with streaks.
+    /// The surface that rain reaches: all that faces up, and the side of the trunk that faces towards +x;
+    /// with streaks.
     pub fn rain() -> Self {
         let direction = Vec3::new(0.8, 0.6, 0.0);
         Self { direction, facing: [-0.2, 0.5], angles: None, heights: None, size: 0.25, spread: 0.6, seed: 0 }
     }
 
-    /// What normals are compared with, of any length above zero, and the angles off it, radians, at which there is nothing and
-    /// all; the same twice for all of what is nearer than that.
+    /// Direction with which normals are compared, of any length above zero, and the angles between them,
+    /// radians, at which nothing and everything is covered. With the same angle twice, everything nearer to
+    /// the direction is covered.
     pub fn with_direction(mut self, direction: Vec3, nothing: f32, all: f32) -> Self {
         self.direction = direction.normalize_or_zero();
         self.facing = [nothing, all].map(crate::math::cos);
@@ -172,12 +175,13 @@ impl Mask {
         Ok(())
     }
 
-    /// What is bare of a mesh, and what is covered, cut along the line where the mask is a half; together they are the surface that
-    /// was there. What is covered lies up to `thickness` metres higher, less where sides of triangles are shorter, as on twigs, and as
-    /// high as the rest at its rim.
+    /// The bare and the covered part of a mesh, cut along the line where the mask is a half; together they
+    /// are the whole surface. The covered part lies up to `thickness` metres higher, less where sides of
+    /// triangles are shorter, as on twigs, and at its rim as high as the rest.
     ///
-    /// Where the border is near, sides longer than half a [patch](Self::with_patches) are halved first, up to five times; then a
-    /// triangle that the line crosses becomes three. Colours, texture coordinates, tangents and wind are those of the place. O(n log n).
+    /// Sides near the border that are longer than half a [patch](Self::with_patches) are halved first, up to
+    /// five times; then a triangle that the line crosses becomes three. Colours, texture coordinates,
+    /// tangents and wind are those of the place. O(n log n).
     ///
     /// # Errors
     /// An option or the thickness out of its range, 0 to 1e3 m.
@@ -428,7 +432,7 @@ mod tests {
         // On a twig of four sides a triangle reaches from the top to below.
         let aside = covered.normals.iter().filter(|normal| normal.y < 0.2).count();
         assert!(aside * 10 < covered.normals.len(), "{aside} of {}", covered.normals.len());
-        // Whatever the patches do, what faces straight up is white.
+        // Triangles that face straight up are white, whatever the patches are.
         let mut up =
             bare.triangles().filter(|corners| corners.iter().all(|&i| bare.normals[i as usize].y > 0.9));
         assert!(up.next().is_none());

@@ -51,7 +51,7 @@ impl Material {
         self
     }
 
-    /// The same as [`with_color`](Self::with_color), from the 8 bits a channel that colour pickers show.
+    /// The same as [`with_color`](Self::with_color), from the 8 bits per channel that colour pickers show.
     pub fn with_srgb(self, encoded: [u8; 3]) -> Self {
         self.with_color(encoded.map(|channel| math::linear(f32::from(channel) / 255.0)))
     }
@@ -62,7 +62,7 @@ impl Material {
         self
     }
 
-    /// Whether triangles are seen from behind too, as leaves should be.
+    /// Makes triangles visible from behind too, as leaves should be.
     pub const fn with_double_sided(mut self, double_sided: bool) -> Self {
         self.double_sided = double_sided;
         self
@@ -73,7 +73,7 @@ impl Material {
         self.color
     }
 
-    /// The colour as 8 bits a channel, sRGB.
+    /// The colour as 8 bits per channel, sRGB.
     pub fn srgb(&self) -> [u8; 3] {
         self.color.map(|channel| (math::srgb(channel) * 255.0 + 0.5) as u8)
     }
@@ -83,7 +83,7 @@ impl Material {
         self.roughness
     }
 
-    /// Whether triangles are seen from behind too.
+    /// `true` if triangles are visible from behind too.
     pub fn is_double_sided(&self) -> bool {
         self.double_sided
     }

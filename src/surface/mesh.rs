@@ -10,8 +10,8 @@ use glam::{Vec2, Vec3, Vec4};
 /// The fields are public, so that any engine's buffers can be filled from them and any mesh can be put in.
 /// Results of this crate satisfy [`check`](Self::check); input of a user is checked where it is used.
 ///
-/// Memory: 24 bytes a vertex, 16 more with tangents, 8 with texture coordinates, 12 with colours, 68 with wind; 12 bytes a
-/// triangle.
+/// Memory: 24 bytes per vertex, 16 more with tangents, 8 with texture coordinates, 12 with colours, 68 with
+/// wind; 12 bytes per triangle.
 ///
 /// ```
 /// use treesynth::{glam::Vec3, surface::Mesh};
@@ -33,14 +33,14 @@ pub struct Mesh {
     /// -1. As in glTF, normal times tangent (the cross product) times that number is the direction in which v
     /// **falls**, for normal maps are drawn with up as up and v counts from the upper edge down.
     pub tangents: Vec<Vec4>,
-    /// A texture coordinate a vertex, or none at all. Not confined to [0, 1]: textures repeat.
+    /// One texture coordinate per vertex, or none at all. They are not confined to [0, 1]: textures repeat.
     pub uvs: Vec<Vec2>,
     /// Factors on the material's colour at each vertex, or none: linear red, green and blue, each 0
     /// to 1. glTF has them as `COLOR_0`, PLY multiplied, and `preview` draws them; the other formats leave them out.
     pub colors: Vec<[f32; 3]>,
     /// Motion of each vertex in the wind, or none.
     pub wind: Vec<Wind>,
-    /// Three vertices a triangle, counter-clockwise seen from outside.
+    /// Three vertices per triangle, counter-clockwise seen from outside.
     pub indices: Vec<u32>,
 }
 
@@ -51,7 +51,7 @@ pub enum MeshError {
     /// An array is not as long as the positions.
     #[error("{array} has {length} entries, but there are {vertices} vertices")]
     Length {
-        /// Which array.
+        /// The array's name.
         array: &'static str,
         /// Its length.
         length: usize,
@@ -171,7 +171,7 @@ impl Mesh {
         self.triangles().map(of).sum()
     }
 
-    /// Whether there is nothing to see: no triangles.
+    /// `true` if there are no triangles.
     pub fn is_empty(&self) -> bool {
         self.indices.is_empty()
     }
@@ -222,7 +222,7 @@ impl Mesh {
         }
     }
 
-    /// Whether the arrays fit together: lengths, indices in range, finite positions, unit normals, and no
+    /// Checks that the arrays fit together: lengths, indices in range, finite positions, unit normals, and no
     /// triangle without area. An empty mesh is sound. O(n).
     ///
     /// # Errors
@@ -299,7 +299,7 @@ impl Mesh {
     }
 }
 
-/// Whether a triangle has an area that 32-bit floats can tell from zero.
+/// `true` if a triangle has an area that 32-bit floats can tell from zero.
 #[inline]
 pub(super) fn has_area([a, b, c]: [Vec3; 3]) -> bool {
     (b - a).cross(c - a).length_squared() > 0.0

@@ -88,8 +88,9 @@ pub enum SurfaceError {
     },
     /// The closed surface needs more blocks of voxels than were allowed.
     #[error(
-        "the surface needs more than the {most} blocks allowed (most_blocks), each of 4 x 4 x 4 voxels, at a finest \
-         voxel of {voxel} m, a block counting once more for every 32 primitives felt in it; allow more, which take about 0.6 GB a million, or use a larger voxel or a smaller detail"
+        "the surface needs more than the {most} blocks allowed (most_blocks), each of 4 x 4 x 4 voxels, the finest \
+         of {voxel} m; a block counts once more for every 32 primitives felt in it; allow more, which take about \
+         0.6 GB per million, or use a larger voxel or a smaller detail"
     )]
     TooManyBlocks {
         /// The side of the finest voxels, metres.
@@ -126,17 +127,17 @@ pub enum SurfaceError {
         /// Its radius, metres.
         radius: f32,
     },
-    /// So far from the origin that 32-bit floats cannot tell the surface's vertices apart.
+    /// The surface is so far from the origin that 32-bit floats cannot tell its vertices apart.
     #[error(
         "at {position} m 32-bit floats have steps of {step} m, which turn over or flatten the triangles of {}% of the \
-         surface; take an offset off the positions, such as the trunk base, make the surface there, and move it where \
-         numbers have more digits",
+         surface; subtract an offset, such as the trunk base, from the positions, make the surface there, and move it \
+         back in 64-bit numbers",
         (lost * 100.0).ceil()
     )]
     Shapeless {
-        /// Where the surface is, metres; 0 on axes on which it is near the origin.
+        /// Position of the surface, metres; 0 on axes on which it is near the origin.
         position: Vec3,
-        /// What is between one number and the next there, metres.
+        /// Distance between neighbouring 32-bit floats there, metres.
         step: f32,
         /// The share of the surface whose triangles lose their shape, 0 to 1.
         lost: f32,

@@ -38,7 +38,7 @@ impl Instance {
         Mat3::from_quat(self.rotation)
     }
 
-    /// Whether its colour differs from that of the mesh.
+    /// `true` if its colour differs from that of the mesh.
     pub fn is_tinted(&self) -> bool {
         self.tint.map(f32::to_bits) != [1.0_f32; 3].map(f32::to_bits)
     }
@@ -48,7 +48,8 @@ impl Instance {
         Transform { position: self.position, rotation: self.rotation, scale: self.scale }
     }
 
-    /// Whether a mesh that reaches so far from its origin has finite copies here.
+    /// `true` if the values are sound and a mesh that reaches `reach` metres from its origin has finite
+    /// copies here.
     fn is_sound(&self, reach: f32) -> bool {
         let [x, y, z, w] = self.rotation.to_array();
         let length = x * x + y * y + z * z + w * w;
@@ -228,7 +229,7 @@ impl<'a> Part<'a> {
         reaches.fold(0.0, f32::max)
     }
 
-    /// Whether it can be written and drawn. O(vertices + triangles + instances).
+    /// Checks that the part can be written and drawn. O(vertices + triangles + instances).
     pub(crate) fn check<E: From<ParameterError> + From<MeshError>>(&self) -> Result<(), E> {
         self.material.check()?;
         self.transform.check("Part.transform")?;

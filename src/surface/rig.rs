@@ -7,7 +7,7 @@ use crate::Skeleton;
 use crate::math::{self, UP, sin_cos};
 use glam::{Quat, Vec3, Vec4};
 
-/// The most bones of the trunk, besides the one that stands still.
+/// Greatest number of bones of the trunk, without the one that stands still.
 const TRUNK: usize = 4;
 /// The part of a branch that bends, and where in it its joint is.
 const BENDS: f32 = 0.5;
@@ -28,23 +28,23 @@ pub(crate) struct Joint {
     angle: f32,
 }
 
-/// Bones of a skeleton: the trunk has up to five, the largest limbs and twigs one each, and what is smaller goes with what
-/// bears it.
+/// Bones of a skeleton: the trunk has up to five, the largest limbs and twigs one each, and smaller branches
+/// move with their parent branch.
 ///
-/// Where a branch begins it has its parent branch's weights, and its own bone takes over in its lower half; so the motion is
-/// continuous at every junction.
+/// At its base a branch has the weights of its parent branch, and its own bone takes over in its lower half;
+/// so the motion is continuous at every junction.
 #[derive(Debug)]
 pub(crate) struct Rig {
     /// Parents first; the first does not move.
     pub(crate) joints: Vec<Joint>,
-    /// Of each node.
+    /// Weights of each node.
     weights: Vec<Weights>,
     ends: Vec<Vec3>,
     parents: Vec<u32>,
 }
 
 impl Rig {
-    /// At most so many bones, at least two. O(n + branches · log branches).
+    /// A rig of at most `most` bones, at least two. O(n + branches · log branches).
     pub(crate) fn of(skeleton: &Skeleton, sway: &Sway, most: usize) -> Self {
         let positions = skeleton.positions();
         let parents: Vec<u32> =

@@ -1,4 +1,4 @@
-//! What the wind does to a skeleton.
+//! Bending of a skeleton in the wind.
 
 use super::axis::thickest;
 use super::internodes::Internodes;
@@ -11,8 +11,8 @@ use glam::Vec3;
 
 /// The most that the trunk, a limb and a twig turn what they bear, radians at the strongest gust.
 const MOST: [f32; 3] = [0.12, 0.2, 0.25];
-/// The strain of the bark at the strongest gust: a branch bends by this over its radius, radians a metre. One strain for
-/// all, since trees grow so that thick and thin are equally safe (Metzger 1893).
+/// The strain of the bark at the strongest gust: a branch bends by this over its radius, radians per metre.
+/// One strain for all, since trees grow so that thick and thin are equally safe (Metzger 1893).
 const STRAIN: f32 = 0.004;
 /// The thinnest radius, in the thickest.
 const THINNEST: f32 = 1e-3;
@@ -21,12 +21,13 @@ const CHUNK: usize = 4096;
 
 /// Motion of a skeleton in the wind; gives [`Wind`] to a mesh, whatever made it.
 ///
-/// A branch bends by a [strain](https://en.wikipedia.org/wiki/Bending) of 0.4% at the strongest gust: by 0.004 over its
-/// radius, radians a metre, so that thin wood bends more than thick. What adds up along a limb approaches a bound: a
-/// turn x becomes x·m / (x + m), with m = 0.12 rad for the trunk, 0.2 for a limb and 0.25 for a twig with all it bears.
-/// A branch begins to bend where it is out of its parent branch.
+/// A branch bends by a [strain](https://en.wikipedia.org/wiki/Bending) of 0.4% at the strongest gust: by
+/// 0.004 over its radius, radians per metre, so that thin wood bends more than thick. The turn that adds up
+/// along a limb approaches a bound: a turn x becomes x·m / (x + m), with m = 0.12 rad for the trunk, 0.2 for
+/// a limb and 0.25 for a twig with all it bears. A branch begins to bend where it is out of its parent
+/// branch.
 ///
-/// O(nodes) time; 76 bytes of memory a node, 28 a branch.
+/// O(nodes) time; 76 bytes of memory per node, 28 per branch.
 ///
 /// ```
 /// use treesynth::surface::{Sway, Tubes};
@@ -41,7 +42,7 @@ const CHUNK: usize = 4096;
 /// ```
 #[derive(Debug, Clone, PartialEq)]
 pub struct Sway {
-    /// Of each node.
+    /// Bend of each node.
     bends: Vec<Bend>,
     parents: Vec<u32>,
     /// The branch of each node.
@@ -54,7 +55,7 @@ pub struct Sway {
     radii: Vec<f32>,
 }
 
-/// How a place of a branch turns, level by level, and moves.
+/// Rotation of a place of a branch, level by level, and its motion.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Bend {
     pub(crate) at: Vec3,
@@ -71,7 +72,7 @@ impl Bend {
         std::array::from_fn(|level| self.moments[level] + way * self.angles[level])
     }
 
-    /// The same, told for another point that moves with it.
+    /// The same bend, expressed for another point that moves with it.
     pub(crate) fn moved_to(&self, point: Vec3) -> Self {
         Self { at: point, angles: self.angles, moments: self.moments_of(point) }
     }
@@ -86,7 +87,7 @@ impl Bend {
 }
 
 impl Sway {
-    /// How it bends.
+    /// The bending of a skeleton.
     ///
     /// # Errors
     /// Radii that are all zero; a node more than a million kilometres out or thick.
@@ -102,7 +103,7 @@ impl Sway {
             starts: vec![0],
             radii: skeleton.radii().to_vec(),
         };
-        // What the bending of the node's level adds up to, unbounded.
+        // The sum of the bending of the node's level, unbounded.
         let mut turns = vec![0.0f32; skeleton.len()];
         for (number, branch) in skeleton.branches().iter().enumerate() {
             let nodes = branch.nodes();
@@ -118,7 +119,7 @@ impl Sway {
             sway.starts.push(sway.nodes.len() as u32);
             let level = branch.order().min(2) as usize;
             let mut turn = if branch.order() > 2 { turns[base] } else { 0.0 };
-            // So far it is within its parent branch.
+            // The length over which it is within its parent branch.
             let mut within = match nodes.get(1) {
                 Some(&first) if number > 0 => skeleton.radii()[base] + 2.0 * skeleton.radii()[first as usize],
                 _ => 0.0,
@@ -165,7 +166,7 @@ impl Sway {
         let _ = self.clothe_watched(mesh, &silent);
     }
 
-    /// The same, a step a vertex.
+    /// As [`clothe`](Self::clothe), with one step per vertex.
     pub(crate) fn clothe_watched(&self, mesh: &mut Mesh, watch: &Watch<'_>) -> Result<(), Cancelled> {
         let ends: Vec<Vec3> = self.bends.iter().map(|bend| bend.at).collect();
         let internodes = Internodes::new(&ends, &self.parents, &self.radii);
@@ -195,7 +196,7 @@ impl Sway {
         from.lerp(to, part(point, from.at, to.at))
     }
 
-    /// At a fractional number of a node of a branch.
+    /// The bend at a fractional number of a node of a branch.
     pub(super) fn bend_at(&self, branch: usize, at: f32) -> Bend {
         let nodes = &self.nodes[self.starts[branch] as usize..self.starts[branch + 1] as usize];
         let number = (at as usize).min(nodes.len() - 1);

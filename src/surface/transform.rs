@@ -1,4 +1,4 @@
-//! Where a whole part, or a whole tree, stands.
+//! Placement of a whole part, or a whole tree.
 
 use super::Instance;
 use crate::{ParameterError, math};
@@ -39,7 +39,7 @@ impl Transform {
         Self { position, ..Self::IDENTITY }
     }
 
-    /// Whether everything stays as it is, to the bit.
+    /// `true` if everything stays as it is, to the bit.
     pub fn is_identity(&self) -> bool {
         *self == Self::IDENTITY
     }

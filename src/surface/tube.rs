@@ -16,20 +16,21 @@ const MOST_VERTICES: usize = 150_000_000;
 /// Greatest factor by which branches are wider to make up for those left out.
 const MOST_WIDENING: f32 = 1.3;
 
-/// A smooth tube along every branch, with a collar where it leaves the one that bears it, and a round tip.
+/// A smooth tube along every branch, with a collar where it leaves its parent branch, and a round tip.
 ///
-/// What it guarantees: triangles face outward and have an area; normals are of unit length, tangents too and
-/// perpendicular to them; the same skeleton gives the same bits; axes go through the nodes, and the radius at a node is
-/// the skeleton's, but for the [root flare](Self::with_root_flare) and within an [error](Self::with_error) that was
-/// asked for; every tube but the trunk touches the wood that bears it. What it does not: the collar lies on the parent
-/// branch and is not cut out of it, so that triangles within cross, and the mesh is not watertight; where a branch
-/// bends more tightly than it is thick, its own rings may cross.
+/// Guaranteed: triangles face outward and have an area; normals are of unit length, tangents too and
+/// perpendicular to them; the same skeleton gives the same bits; axes go through the nodes, and the radius at
+/// a node is the skeleton's, but for the [root flare](Self::with_root_flare) and within an
+/// [error](Self::with_error) that was asked for; every tube but the trunk touches the wood that bears it. Not
+/// guaranteed: the collar lies on the parent branch and is not cut out of it, so that triangles within cross,
+/// and the mesh is not watertight; where a branch bends more tightly than it is thick, its own rings may
+/// cross.
 ///
-/// **Axes** are cubic Hermite curves with Catmull-Rom tangents. They follow every kink of a path through a graph; relax
-/// these first, as by [`Skeleton::relaxed`]`(0.5, 3)`. Frames are carried along without twist. Internodes shorter
-/// than floats can tell (4·2⁻²³ of the coordinates, or 1 nm) are passed over, and a radius smaller than that makes a
-/// single vertex in place of a ring. Where a branch turns back by more than 120° the tube ends and another begins.
-/// The trunk's first ring is level, so that a leaning trunk does not gape at the ground.
+/// **Axes** are cubic Hermite curves with Catmull-Rom tangents. They follow every kink of a path through a
+/// graph; relax these first, as by [`Skeleton::relaxed`]`(0.5, 3)`. Frames are carried along without twist.
+/// Internodes shorter than floats can tell (4·2⁻²³ of the coordinates, or 1 nm) are passed over, and a radius
+/// smaller than that makes a single vertex in place of a ring. At turns of more than 120° the tube ends and
+/// another begins. The trunk's first ring is level, so that a leaning trunk does not gape at the ground.
 ///
 /// **Collars**: a branch flares into its parent branch in a round fillet that shares that branch's normals. Each tube
 /// begins on the triangles of its parent branch or within it, whatever way that bends, tapers or flares; where its base
@@ -37,17 +38,18 @@ const MOST_WIDENING: f32 = 1.3;
 /// branch for more than eight times their radii, or bends as it leaves, has no collar, and begins within that branch,
 /// thinner by 40%.
 ///
-/// **Texture coordinates** count squares of bark of one [size](Self::with_tile): v is metres from the root along
-/// the axes, over that size, and runs on from a branch to what it bears; u is metres around the branch's first ring,
-/// over that size and rounded to a whole number, for a texture must end where it began. So texels are as long
-/// everywhere, and as wide but for the rounding, down to branches one square around; thinner ones squeeze one square.
-/// [`with_square_tiles`](Self::with_square_tiles) shortens squares where they are narrow. Caps of bases continue in metres.
-/// [Tangents](Mesh::tangents) are exact, not averaged over triangles.
+/// **Texture coordinates** count squares of bark of one [size](Self::with_tile): v is metres from the root
+/// along the axes, over that size, and runs on from a branch to what it bears; u is metres around the
+/// branch's first ring, over that size and rounded to a whole number, for a texture must end where it began.
+/// Texels are therefore equally long everywhere, and but for the rounding equally wide, down to branches one
+/// square around; thinner ones squeeze one square. [`with_square_tiles`](Self::with_square_tiles) shortens
+/// squares where they are narrow. Caps of bases continue in metres. [Tangents](Mesh::tangents) are exact, not
+/// averaged over triangles.
 ///
 /// **Far from the origin** a tree has the tubes that it has at the origin, with vertices rounded to what 32-bit floats have there:
 /// 1 mm at 10 km. Where that turns over or flattens more than 2% of the surface there is an error.
 ///
-/// O(nodes · sides) time and memory: 48 bytes a vertex, 24 bytes a quad.
+/// O(nodes · sides) time and memory: 48 bytes per vertex, 24 bytes per quad.
 ///
 /// ```
 /// use treesynth::{Skeleton, glam::Vec3, surface::Tubes};
@@ -67,7 +69,7 @@ pub struct Tubes {
     least_sides: u32,
     turn: f32,
     pub(super) error: Option<f32>,
-    /// How large what is left out may be beside the error.
+    /// Factor on the error that limits the size of branches that are left out.
     unseen: f32,
     pub(super) root_flare: f32,
     pub(super) collars: bool,
@@ -128,11 +130,11 @@ impl Tubes {
         self
     }
 
-    /// Makes rings and sides as few as keep the chords along an axis within `error` metres of the axis, and the edges
-    /// around it within `error` of the circle, instead of asking for sides and a turn. What is too small to be seen at
-    /// that error is left out: collars thinner than it, and branches that show, with all they bear, an area of less
-    /// than 4 `error`². Other branches thinner than it are wider instead, up to it, so that the crown stays as dense.
-    /// At least 1e-6 m; default none.
+    /// Makes rings and sides as few as keep the chords along an axis within `error` metres of the axis, and
+    /// the edges around it within `error` of the circle, instead of asking for sides and a turn. Parts too
+    /// small to be seen at that error are left out: collars thinner than it, and branches that show, with all
+    /// they bear, an area of less than 4 `error`². Other branches thinner than it are wider instead, up to
+    /// it, so that the crown stays as dense. At least 1e-6 m; default none.
     ///
     /// Polygons are as wide as their tubes on the average of all directions. For several errors of one tree, see
     /// [`Levels`](super::Levels).
@@ -154,15 +156,15 @@ impl Tubes {
         self
     }
 
-    /// Whether branches blend into what bears them; default true. Without, they are stuck into it, which saves
-    /// a ring or more a branch.
+    /// Makes branches blend into their parent branch by a collar; default true. Without, they are stuck into
+    /// it, which saves a ring or more per branch.
     pub fn with_collars(mut self, collars: bool) -> Self {
         self.collars = collars;
         self
     }
 
-    /// Whether tubes get a flat cap where they start, so that each is a closed body; default false, since the
-    /// base of the trunk is in the ground and the others' are inside the branch that bears them.
+    /// Closes the base of each tube with a flat cap, so that each is a closed body; default false, since the
+    /// trunk base is in the ground and the other bases are inside the parent branch.
     pub fn with_closed_base(mut self, closed: bool) -> Self {
         self.closed_base = closed;
         self
@@ -174,44 +176,48 @@ impl Tubes {
         self
     }
 
-    /// Whether squares of bark stay squares as branches grow thin; default false.
+    /// Keeps squares of bark square as branches grow thin; default false.
     ///
-    /// The number of squares around a branch is whole and the same all along it, so that nothing jumps; where a branch is
-    /// half as thick as at its base, a square is half as wide. By default it is as long there as at the base, and ridges
-    /// are drawn out; with this it is half as long too, as bark is finer where it is younger. Branches thinner than one
-    /// square around wear one that is smaller, instead of one squeezed. v is continuous along each branch, and begins with
-    /// metres from the root over the size. Bark does not continue from a branch to the one that bears it: collars end in
-    /// the bark of their parent branch with a seam.
+    /// The number of squares around a branch is whole and the same all along it, so that nothing jumps; where
+    /// a branch is half as thick as at its base, a square is half as wide. By default it is as long there as
+    /// at the base, and ridges are drawn out; with this it is half as long too, as bark is finer where it is
+    /// younger. Branches thinner than one square around wear one that is smaller, instead of one squeezed. v
+    /// is continuous along each branch, and begins with metres from the root over the size. Bark does not
+    /// continue from a branch to its parent branch: collars end in the bark of their parent branch with a
+    /// seam.
     pub fn with_square_tiles(mut self, square: bool) -> Self {
         self.square_tiles = square;
         self
     }
 
-    /// Whether branches that taper have fewer and fewer squares around, so that texels stay about as large; default false.
+    /// Gives branches that taper fewer and fewer squares around, so that texels stay about as large; default
+    /// false.
     ///
-    /// By default the number of squares around a branch is the same all along it, and texels are as much smaller as it is thinner:
-    /// by a factor of ten and more along a trunk. With this a new number begins at the first fork where the branch is thinner than
-    /// where the last began by a factor of 1.6, that of the mean of both ends. There bark does not continue: v does, u does not, which a
-    /// ring of doubled vertices makes possible. That seam lies at a fork, but it may be seen on smooth trunks with strongly drawn bark.
+    /// By default the number of squares around a branch is the same all along it, and texels shrink in
+    /// proportion to its radius: by a factor of ten and more along a trunk. With this a new number begins at
+    /// the first fork where the branch is thinner than where the last began by a factor of 1.6, that of the
+    /// mean of both ends. There bark does not continue: v does, u does not, which a ring of doubled vertices
+    /// makes possible. That seam lies at a fork, but it may be seen on smooth trunks with strongly drawn
+    /// bark.
     pub fn with_even_texels(mut self, even: bool) -> Self {
         self.even_texels = even;
         self
     }
 
-    /// Whether vertices have [`Wind`](super::Wind), so that they move with the skeleton's [`Sway`]; default false. Junctions
-    /// stay closed at every gust, in every [level](super::Levels).
+    /// Gives vertices [`Wind`](super::Wind), so that they move with the skeleton's [`Sway`]; default false.
+    /// Junctions stay closed at every gust, in every [level](super::Levels).
     pub fn with_wind(mut self, wind: bool) -> Self {
         self.wind = wind;
         self
     }
 
-    /// Whether the number of squares changes along branches.
+    /// `true` if the number of squares changes along branches.
     #[cfg_attr(not(feature = "texture"), allow(dead_code, reason = "only assets ask"))]
     pub(crate) fn has_even_texels(&self) -> bool {
         self.even_texels
     }
 
-    /// Whether vertices have wind.
+    /// `true` if vertices have wind.
     #[cfg_attr(not(feature = "texture"), allow(dead_code, reason = "only assets ask"))]
     pub(crate) fn has_wind(&self) -> bool {
         self.wind
@@ -228,7 +234,7 @@ impl Tubes {
         self.mesh_observed(skeleton, &Silent)
     }
 
-    /// As [`mesh`](Self::mesh), telling `observer` how far it is and stopping when told to.
+    /// As [`mesh`](Self::mesh), reporting progress to `observer`, which can cancel the work.
     ///
     /// # Errors
     /// As [`mesh`](Self::mesh), and [`SurfaceError::Cancelled`].
@@ -239,7 +245,7 @@ impl Tubes {
         Ok(mesh)
     }
 
-    /// The same, about four steps a node.
+    /// As [`mesh`](Self::mesh), with about four steps per node.
     pub(crate) fn mesh_watched(&self, skeleton: &Skeleton, watch: &Watch<'_>) -> Result<Mesh, SurfaceError> {
         let offset = far::offset_of(skeleton);
         let plan = self.plan_watched(&far::near(skeleton, offset), watch)?;
@@ -251,7 +257,7 @@ impl Tubes {
         self.plan_watched(skeleton, &Watch::silent())
     }
 
-    /// The same, two steps a node.
+    /// As `plan`, with two steps per node.
     pub(super) fn plan_watched(&self, skeleton: &Skeleton, watch: &Watch<'_>) -> Result<Plan, SurfaceError> {
         self.check()?;
         let axes = if skeleton.segments() == 0 { Axes::default() } else { Axes::of(skeleton, self, watch)? };
@@ -303,7 +309,7 @@ impl Tubes {
         .max(1.0)
     }
 
-    /// Whether a branch so thick has a collar.
+    /// `true` if a branch of this radius has a collar.
     pub(super) fn blends(&self, radius: f32) -> bool {
         self.collars && radius > self.error.unwrap_or(0.0)
     }
@@ -316,7 +322,7 @@ impl Tubes {
         let area = |node: usize, parent: usize| {
             2.0 * skeleton.radii()[node] * skeleton.positions()[node].distance(skeleton.positions()[parent])
         };
-        // Of each node's internode and all it bears.
+        // Area of each node's internode and all that it bears.
         let mut areas = vec![0.0f32; skeleton.len()];
         for (node, parent) in skeleton.edges().rev() {
             areas[node] += area(node, parent);
@@ -341,7 +347,7 @@ impl Tubes {
 
 /// Branches that are not seen at some error.
 pub(super) struct Dropped {
-    /// For each branch; none if all are seen.
+    /// For each branch, `true` if it is dropped; empty if all are seen.
     branches: Vec<bool>,
     widening: f32,
     widest: f32,

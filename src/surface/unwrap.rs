@@ -9,14 +9,15 @@ use std::f32::consts::{PI, TAU};
 
 /// As [`Tubes`](super::Tubes) have it.
 const HANDEDNESS: f32 = -1.0;
-/// Where a branch is thinner by this factor than where its present section began, the next one begins at the next fork.
+/// Factor by which a branch gets thinner along one section; the next section begins at the next fork.
 const THINNER: f32 = 1.6;
-/// A triangle that faces along its branch by more than this cosine has no way around it.
+/// A triangle that faces along its branch by more than this cosine gets no coordinates around the branch.
 const END: f32 = 0.75;
-/// Nor has one that comes so near to the axis, or goes so far off it, in radii.
+/// Nor does one that comes nearer to the axis than this, or goes farther off it, in radii.
 const NEAREST: f32 = 0.45;
 const FARTHEST: f32 = 2.0;
-/// Nor has one whose tile is stretched by more than this, or has so many times too many texels, or too few.
+/// Nor does one whose tile is stretched by more than the first, or whose number of texels is off by a factor
+/// of more than the second.
 const MOST_STRETCHED: f64 = 4.0;
 const UNEVEN: f64 = 9.0;
 /// The least radius, in the thickest.
@@ -29,19 +30,21 @@ const NONE: u32 = u32::MAX;
 /// Gives a mesh around a skeleton texture coordinates and tangents, so that what [`Implicit`](super::Implicit),
 /// [`Polygonizer`](super::Polygonizer) or a [`Skin`](super::blob::Skin) has made can wear bark.
 ///
-/// u runs around the branch next to each triangle, v along it, in tiles: a whole number of them around, as wide as
-/// [`with_tile`](Self::with_tile) says but for the rounding, and as long as wide everywhere. A branch that tapers has several
-/// sections, each with its own number, which change at forks; so nine tenths of the surface have 0.75 to 1.75 times as many tiles a
-/// metre as is asked for, down to wood one tile around, whose tile shrinks with it. No triangle stretches its tile by more than a factor of four.
-/// Triangles that would, that face along their branch (tips, axils) or are far off it (broad fillets) wear the tile as seen from the
-/// nearest of the six directions, up, down and sideways.
+/// u runs around the branch next to each triangle, v along it, in tiles: a whole number of them around, as
+/// wide as [`with_tile`](Self::with_tile) says but for the rounding, and as long as wide everywhere. A branch
+/// that tapers has several sections, each with its own number, which change at forks; so nine tenths of the
+/// surface have 0.75 to 1.75 times as many tiles per metre as is asked for, down to wood one tile around,
+/// whose tile shrinks with it. No triangle stretches its tile by more than a factor of four. Triangles that
+/// would, that face along their branch (tips, axils) or are far off it (broad fillets) wear the tile as seen
+/// from the nearest of the six directions, up, down and sideways.
 ///
-/// Where coordinates do not go on, vertices are doubled, so that no triangle spans a jump: along one line of each branch, around the
-/// base of each branch, between sections. The line along a branch is no seam to be seen, for the tiles around are whole;
-/// the others are, as with tubes. Positions stay, and so do triangles and their order; the mesh is closed as far as positions
-/// tell, but no longer by its indices.
+/// Vertices are doubled where coordinates are not continuous, so that no triangle spans a jump: along one
+/// line of each branch, around the base of each branch, and between sections. The line along a branch is not
+/// a visible seam, since the number of tiles around is whole; the others are visible, as with tubes.
+/// Positions stay, and so do triangles and their order; the mesh stays closed by its positions, but no longer
+/// by its indices.
 ///
-/// O(vertices · log nodes); 24 bytes a vertex more, and about 5% more vertices.
+/// O(vertices · log nodes); 24 bytes more per vertex, and about 5% more vertices.
 ///
 /// ```
 /// use treesynth::surface::{Implicit, Unwrap};
@@ -127,7 +130,7 @@ impl Unwrap {
     }
 }
 
-/// New vertices: of each old one those that differ in what they wear.
+/// New vertices: for each old one those that differ in texture coordinates or tangents.
 struct Copies {
     /// The latest of each old vertex, and the one before each.
     latest: Vec<u32>,
@@ -170,7 +173,7 @@ impl Copies {
 struct Spot {
     /// Around it, radians, -π to π.
     angle: f32,
-    /// Along it, in radians of its own circumference.
+    /// Place along it, in radians of its own circumference.
     along: f32,
     /// Off the axis, in radii.
     off: f32,
@@ -179,14 +182,14 @@ struct Spot {
     tangent: Vec3,
 }
 
-/// The branches of a skeleton as places can be told on them.
+/// The branches of a skeleton, in a form in which points can be placed on them.
 #[derive(Debug)]
 struct Course {
     nodes: Vec<Knot>,
     /// The branch of each node's internode, and where it is in `nodes`.
     branches: Vec<u32>,
     places: Vec<u32>,
-    /// Where the nodes of each branch begin.
+    /// The start in `nodes` of each branch's nodes, and the end of the last's.
     starts: Vec<u32>,
     tile: f32,
 }
@@ -282,7 +285,7 @@ impl Course {
         Ok(course)
     }
 
-    /// What a triangle wears at its corners: texture coordinates and tangents.
+    /// Texture coordinates and tangents at a triangle's corners.
     fn triangle(&self, mesh: &Mesh, nodes: &[u32], corners: [u32; 3]) -> [(Vec2, Vec4); 3] {
         let points = corners.map(|corner| mesh.positions[corner as usize]);
         let normals = corners.map(|corner| mesh.normals[corner as usize]);
@@ -322,7 +325,7 @@ impl Course {
         }
         let scale = knot.tiles / TAU;
         let uvs = std::array::from_fn(|i| Vec2::new(angles[i], spots[i].along) * scale);
-        // Where an axis bends sharply, places along it may be far apart or in disorder.
+        // At sharp bends of an axis, places along it may be far apart or out of order.
         let wanted = f64::from(scale / knot.radius);
         let is_even = densities(points, uvs).is_none_or(|[most, least]| {
             most < MOST_STRETCHED * least
@@ -365,7 +368,8 @@ impl Course {
         })
     }
 
-    /// Where a point is on a branch, looked for from the internode before a knot on; nothing on the axis.
+    /// The place of a point on a branch, searched from the internode before the knot `hint` on; nothing for a
+    /// point on the axis.
     fn spot(&self, branch: u32, hint: usize, point: Vec3) -> Option<Spot> {
         let (first, end) = (self.starts[branch as usize] as usize, self.starts[branch as usize + 1] as usize);
         if end - first < 2 {
@@ -407,7 +411,8 @@ impl Course {
     }
 }
 
-/// Tiles a metre in the directions in which a triangle has most and least of them; nothing for one that is hardly wide.
+/// Tiles per metre in the directions in which a triangle has most and least of them; nothing for one that is
+/// hardly wide.
 fn densities(points: [Vec3; 3], uvs: [Vec2; 3]) -> Option<[f64; 2]> {
     let [a, b, c] = points.map(Vec3::as_dvec3);
     let [p, q, r] = uvs.map(Vec2::as_dvec2);

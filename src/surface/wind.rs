@@ -7,10 +7,10 @@ use std::f32::consts::TAU;
 
 /// Motion of a vertex in the wind, as a shader needs it.
 ///
-/// The tree moves on three levels: the trunk sways, each limb (order 1) sways on the trunk, and each twig (order 2, with
-/// all that it bears) sways on its limb. A vertex moves with the trunk, with its limb and with its twig; leaves flutter
-/// besides. With the gust **g** (a direction, as long as the wind is strong, at most 1) and the time t in seconds, level
-/// i = 0, 1, 2 of a vertex is pushed by
+/// The tree moves on three levels: the trunk sways, each limb (order 1) sways on the trunk, and each twig
+/// (order 2, with all that it bears) sways on its limb. A vertex moves with the trunk, with its limb and with
+/// its twig; leaves also flutter. With the gust **g** (a direction, as long as the wind is strong, at most 1)
+/// and the time t in seconds, level i = 0, 1, 2 of a vertex is pushed by
 ///
 /// ```text
 /// a = 2π·t·[2, 5, 10][i] / 8 s + dot(axis, (11, 17, 13))        the axis of level 0, the trunk, is up
@@ -23,24 +23,25 @@ use std::f32::consts::TAU;
 /// cross(cross(axis, F), moment) = F·dot(axis, moment) - axis·dot(F, moment)
 /// ```
 ///
-/// The moment is the integral, along the way from the level's base to the vertex, of the bending (radians a metre, at the
-/// strongest gust) times the way from there to the vertex. Last, what flutters moves by
+/// The moment is the integral, along the way from the level's base to the vertex, of the bending (radians per
+/// metre, at the strongest gust) times the way from there to the vertex. Last, what flutters moves by
 ///
 /// ```text
 /// (up·|g| + g)·0.7·flutter·sin(2π·t·20 / 8 s + dot(position, (9, 7, 11)))
 /// ```
 ///
-/// Why junctions hold: the motion is linear in the moments and a triangle's points move as its corners say, so that a
-/// branch base with the moments of the place on its parent branch moves exactly as that place. Its own level's moment is
-/// zero there. What linear motion costs: a turn by the angle θ makes what turns longer by a factor of √(1 + θ²). The angles of
-/// a tip at the strongest gust are at most 0.12 rad by the trunk, 0.2 by the limb and 0.25 by the twig, and mostly half of
-/// that. Normals may stay as they are.
+/// Junctions stay closed because the motion is linear in the moments and a triangle's points move as its
+/// corners do, so that a branch base with the moments of the place on its parent branch moves exactly as that
+/// place. Its own level's moment is zero there. The cost of linear motion: a turn by the angle θ makes the
+/// turned part longer by a factor of √(1 + θ²). The angles of a tip at the strongest gust are at most 0.12
+/// rad by the trunk, 0.2 by the limb and 0.25 by the twig, and mostly half of that. Normals may stay as they
+/// are.
 ///
 /// Everything repeats after [`PERIOD`](Self::PERIOD) seconds. A level moves a vertex by at most 1.2·|g| times
 /// its moment's length, and what has no moment does not move: roots never do.
 ///
-/// Memory: 68 bytes a vertex. [`Tubes`](super::Tubes::with_wind), [`Levels`](super::Levels), [`Implicit`](super::Implicit::with_wind)
-/// give it to their meshes, [`Sway`](super::Sway) to any other.
+/// Memory: 68 bytes per vertex. [`Tubes`](super::Tubes::with_wind), [`Levels`](super::Levels),
+/// [`Implicit`](super::Implicit::with_wind) give it to their meshes, [`Sway`](super::Sway) to any other.
 ///
 /// ```
 /// use treesynth::{Skeleton, glam::Vec3, surface::Tubes};
@@ -55,8 +56,8 @@ use std::f32::consts::TAU;
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
 pub struct Wind {
-    /// Of the trunk, the limb and the twig that bear the vertex: the integral of the bending times the distance, along the way to the
-    /// vertex; metres times radians. Zero for levels that do not bear it.
+    /// Moments of the trunk, the limb and the twig that bear the vertex: the integral of the bending times
+    /// the distance, along the way to the vertex; metres times radians. Zero for levels that do not bear it.
     pub moments: [Vec3; 3],
     /// The unit directions of the limb and of the twig, from base to tip; the same on all that they bear, and zero where there
     /// is none.
@@ -72,7 +73,7 @@ const CYCLES: [f32; 3] = [2.0, 5.0, 10.0];
 const FLUTTERS: f32 = 20.0;
 /// Phase between a level's swings and another's, radians for its axis.
 const PHASE: Vec3 = Vec3::new(11.0, 17.0, 13.0);
-/// The same of fluttering leaves, radians a metre.
+/// The same of fluttering leaves, radians per metre.
 const WAVE: Vec3 = Vec3::new(9.0, 7.0, 11.0);
 /// The mean push and its swings, along the gust; what lifts and lowers.
 const MEAN: f32 = 0.6;
@@ -80,12 +81,13 @@ const SWING: f32 = 0.4;
 const LIFT: f32 = 0.2;
 
 impl Wind {
-    /// After so many seconds the motion repeats.
+    /// Seconds after which the motion repeats.
     pub const PERIOD: f32 = 8.0;
 
-    /// Where a vertex at `position` is, `time` seconds on, when the wind blows by `gust`: a direction whose length is the strength, 1 for
-    /// the strongest wind. Longer gusts are clamped to 1; a gust that is not finite counts as no wind. Without wind the
-    /// position comes back bit by bit. See [`Wind`] for the formula.
+    /// Position of a vertex, whose position at rest is `position`, at `time` seconds in the wind `gust`: a
+    /// direction whose length is the strength, 1 for the strongest wind. Longer gusts are clamped to 1; a
+    /// gust that is not finite counts as no wind. Without wind the position comes back bit by bit. See
+    /// [`Wind`] for the formula.
     pub fn blown(&self, position: Vec3, time: f32, gust: Vec3) -> Vec3 {
         let Some(air) = Air::new(time, gust) else { return position };
         position + self.moved(position, &air)
@@ -144,7 +146,7 @@ impl Air {
         self.gust * (MEAN + SWING * sin) + UP * (self.strength * LIFT * cos)
     }
 
-    /// How a leaf flutters that flutters by 1.
+    /// Displacement of a leaf whose flutter is 1.
     pub(crate) fn flutter(&self, position: Vec3) -> Vec3 {
         let (sin, _) = sin_cos(TAU * (self.part * FLUTTERS) + position.dot(WAVE));
         (UP * self.strength + self.gust) * (0.7 * sin)

@@ -1,4 +1,4 @@
-//! Implementations held to their contracts, and trees to their invariants.
+//! Checks of implementations against their contracts, and of trees against their invariants.
 
 use crate::field::VectorField;
 use crate::guided::{
@@ -14,8 +14,8 @@ use proptest::test_runner::TestCaseError;
 use proptest::{prop_assert, prop_assert_eq};
 use std::sync::Arc;
 
-/// Result of a check: held, or the failure that proptest shrinks.
-pub type Held = Result<(), TestCaseError>;
+/// Result of a check: `Ok`, or the failure that proptest shrinks.
+pub type CheckResult = Result<(), TestCaseError>;
 
 fn failed(error: &impl std::fmt::Display) -> TestCaseError {
     TestCaseError::fail(error.to_string())
@@ -26,7 +26,7 @@ fn failed(error: &impl std::fmt::Display) -> TestCaseError {
 ///
 /// # Errors
 /// The first promise that is broken.
-pub fn hold_builder(builder: &dyn GraphBuilder, seed: u64) -> Held {
+pub fn check_builder(builder: &dyn GraphBuilder, seed: u64) -> CheckResult {
     builder.check().map_err(|error| failed(&error))?;
     let graph = builder.build(seed, &Silent).map_err(|error| failed(&error))?;
     let again = builder.build(seed, &Silent).map_err(|error| failed(&error))?;
@@ -57,7 +57,7 @@ fn bits(positions: &[Vec3]) -> impl Iterator<Item = [u32; 3]> + '_ {
 ///
 /// # Errors
 /// The first promise that is broken.
-pub fn hold_shape(shape: &dyn Shape, seed: u64) -> Held {
+pub fn check_shape(shape: &dyn Shape, seed: u64) -> CheckResult {
     shape.check().map_err(|error| failed(&error))?;
     let bounds = shape.bounds();
     let mut random = crate::random::stream(seed, 0, crate::random::Purpose::CUSTOM, 0);
@@ -84,7 +84,7 @@ pub fn hold_shape(shape: &dyn Shape, seed: u64) -> Held {
 ///
 /// # Errors
 /// The first promise that is broken.
-pub fn hold_field(field: &dyn VectorField, points: &[Vec3]) -> Held {
+pub fn check_field(field: &dyn VectorField, points: &[Vec3]) -> CheckResult {
     field.check().map_err(|error| failed(&error))?;
     for &point in points.iter().chain(&[Vec3::ZERO, Vec3::Y]) {
         let vector = field.at(point);
@@ -98,20 +98,20 @@ pub fn hold_field(field: &dyn VectorField, points: &[Vec3]) -> Held {
 ///
 /// # Errors
 /// The first promise that is broken.
-pub fn hold_rule(rule: impl GuidingRule + 'static, graph: &Graph, seed: u64) -> Held {
+pub fn check_rule(rule: impl GuidingRule + 'static, graph: &Graph, seed: u64) -> CheckResult {
     let rule: Arc<dyn GuidingRule> = Arc::new(rule);
-    hold_synth(&two_stages(graph, |endpoints| Stage::new(rule.clone(), endpoints)), graph, seed)
+    check_synth(&two_stages(graph, |endpoints| Stage::new(rule.clone(), endpoints)), graph, seed)
 }
 
 /// The weights are at least zero and the same every time, and the trees they make satisfy every invariant.
 ///
 /// # Errors
 /// The first promise that is broken.
-pub fn hold_weight(weight: impl WeightFn + 'static, graph: &Graph, seed: u64) -> Held {
+pub fn check_weight(weight: impl WeightFn + 'static, graph: &Graph, seed: u64) -> CheckResult {
     let weight: Arc<dyn WeightFn> = Arc::new(weight);
     let bend = || Bend::piecewise(0.5, -0.1, 2);
     let stage = |endpoints| Stage::new(bend(), endpoints).with_weight(weight.clone());
-    hold_synth(&two_stages(graph, stage), graph, seed)
+    check_synth(&two_stages(graph, stage), graph, seed)
 }
 
 /// The policy names nodes that exist and can be reached, the same every time, both on a bare root and on a tree;
@@ -119,13 +119,13 @@ pub fn hold_weight(weight: impl WeightFn + 'static, graph: &Graph, seed: u64) ->
 ///
 /// # Errors
 /// The first promise that is broken.
-pub fn hold_endpoints(policy: impl EndpointPolicy + 'static, graph: &Graph, seed: u64) -> Held {
+pub fn check_endpoints(policy: impl EndpointPolicy + 'static, graph: &Graph, seed: u64) -> CheckResult {
     let policy: Arc<dyn EndpointPolicy> = Arc::new(policy);
     let stage = || Stage::new(Bend::piecewise(0.5, -0.1, 2), policy.clone());
-    hold_synth(&TreeSynth::new(NoGraph).stage(stage()), graph, seed)?;
+    check_synth(&TreeSynth::new(NoGraph).stage(stage()), graph, seed)?;
     let all = everywhere(graph);
     let trunk = Stage::new(Bend::none(), InShape::uniform(all, Count::UpTo(3)));
-    hold_synth(&TreeSynth::new(NoGraph).stage(trunk).stage(stage()), graph, seed)
+    check_synth(&TreeSynth::new(NoGraph).stage(trunk).stage(stage()), graph, seed)
 }
 
 /// The model gives every node of the skeleton a radius, finite and not negative, never growing towards the tips, and
@@ -133,7 +133,7 @@ pub fn hold_endpoints(policy: impl EndpointPolicy + 'static, graph: &Graph, seed
 ///
 /// # Errors
 /// The first promise that is broken.
-pub fn hold_radius(model: &dyn RadiusModel, skeleton: &Skeleton) -> Held {
+pub fn check_radius(model: &dyn RadiusModel, skeleton: &Skeleton) -> CheckResult {
     model.check().map_err(|error| failed(&error))?;
     let radii = model.radii(skeleton).map_err(|error| failed(&error))?;
     check_radii(skeleton, &radii).map_err(|error| failed(&error))?;
@@ -148,14 +148,14 @@ pub fn hold_radius(model: &dyn RadiusModel, skeleton: &Skeleton) -> Held {
 ///
 /// # Errors
 /// The first promise that is broken.
-pub fn hold_synth(synth: &TreeSynth, graph: &Graph, seed: u64) -> Held {
+pub fn check_synth(synth: &TreeSynth, graph: &Graph, seed: u64) -> CheckResult {
     let mut search = Search::new(graph);
     let growth = match synth.grow(&mut search, seed, &Silent) {
         Ok(growth) => growth,
         Err(SynthesisError::Endpoints { .. }) => return Ok(()),
         Err(error) => return Err(failed(&error)),
     };
-    hold_growth(graph, &growth)?;
+    check_growth(graph, &growth)?;
     let again = synth.grow(&mut search, seed, &Silent).map_err(|error| failed(&error))?;
     prop_assert_eq!(&growth, &again, "the same seed gives the same tree in used memory");
     let skeleton = synth.synthesize_on(graph, seed).map_err(|error| failed(&error))?;
@@ -168,11 +168,11 @@ pub fn hold_synth(synth: &TreeSynth, graph: &Graph, seed: u64) -> Held {
 ///
 /// # Errors
 /// The first promise that is broken.
-pub fn hold_growth(graph: &Graph, growth: &Growth) -> Held {
+pub fn check_growth(graph: &Graph, growth: &Growth) -> CheckResult {
     let graph = growth.graph.as_deref().unwrap_or(graph);
     let (skeleton, nodes) = (&growth.skeleton, &growth.nodes);
-    hold_skeleton(skeleton)?;
-    prop_assert_eq!(nodes.len(), skeleton.len(), "one graph node a node");
+    check_skeleton(skeleton)?;
+    prop_assert_eq!(nodes.len(), skeleton.len(), "one graph node per node");
     prop_assert_eq!(nodes[0], graph.root(), "the root is the graph's");
     let mut place = vec![None; graph.nodes()];
     for (i, &node) in nodes.iter().enumerate() {
@@ -208,7 +208,7 @@ pub fn hold_growth(graph: &Graph, growth: &Growth) -> Held {
 ///
 /// # Errors
 /// The first promise that is broken.
-pub fn hold_skeleton(skeleton: &Skeleton) -> Held {
+pub fn check_skeleton(skeleton: &Skeleton) -> CheckResult {
     skeleton.check().map_err(|error| failed(&error))?;
     let mut depth = vec![0usize; skeleton.len()];
     for (node, parent) in skeleton.edges() {
@@ -231,7 +231,7 @@ pub fn hold_skeleton(skeleton: &Skeleton) -> Held {
             let (parent, child) = (pair[0] as usize, pair[1] as usize);
             prop_assert_eq!(skeleton.parent(child), Some(parent), "branches follow internodes");
             prop_assert!(!std::mem::replace(&mut seen[child], true), "internode {child} is in one branch");
-            prop_assert_eq!(skeleton.orders()[child], branch.order(), "one order a branch");
+            prop_assert_eq!(skeleton.orders()[child], branch.order(), "one order per branch");
         }
     }
     prop_assert!(seen.iter().skip(1).all(|&seen| seen), "every internode is in a branch");

@@ -1,4 +1,5 @@
-//! proptest strategies, and one call for each trait of the pipeline that holds an implementation to its contract.
+//! proptest strategies, and for each trait of the pipeline one function that checks an implementation against
+//! its contract.
 //!
 //! Behind the feature `testing`, for dev-dependencies. A custom rule is property-tested in three lines (and a
 //! `#[test]` before them):
@@ -14,15 +15,16 @@
 //! proptest! {
 //!     # #![proptest_config(ProptestConfig::with_cases(4))]
 //!     fn wind_holds(graph in treesynth::testing::graphs(), seed: u64) {
-//!         treesynth::testing::hold_rule(Wind, &graph, seed)?;
+//!         treesynth::testing::check_rule(Wind, &graph, seed)?;
 //!     }
 //! }
 //! # wind_holds();
 //! ```
 //!
-//! The strategies: [`regions`], [`graphs`], [`options`] for whole pipelines, [`skeletons`]. The calls:
-//! [`hold_builder`], [`hold_rule`], [`hold_weight`], [`hold_endpoints`], [`hold_radius`], [`hold_shape`],
-//! [`hold_field`], and [`hold_synth`], [`hold_growth`] and [`hold_skeleton`] for what comes out.
+//! Strategies: [`regions`], [`graphs`], [`options`] for whole pipelines, [`skeletons`]. Checks of
+//! implementations: [`check_builder`], [`check_rule`], [`check_weight`], [`check_endpoints`],
+//! [`check_radius`], [`check_shape`], [`check_field`]. Checks of results: [`check_synth`], [`check_growth`]
+//! and [`check_skeleton`].
 
 pub use proptest;
 
@@ -31,8 +33,8 @@ mod options;
 mod strategies;
 
 pub use hold::{
-    Held, hold_builder, hold_endpoints, hold_field, hold_growth, hold_radius, hold_rule, hold_shape,
-    hold_skeleton, hold_synth, hold_weight,
+    CheckResult, check_builder, check_endpoints, check_field, check_growth, check_radius, check_rule,
+    check_shape, check_skeleton, check_synth, check_weight,
 };
 pub use options::{Options, RuleOption, StageOptions, WeightOption, options};
 pub use strategies::{Region, graphs, regions, skeletons};

@@ -20,7 +20,7 @@ pub struct Options {
     pub region: Region,
     /// Number.
     pub nodes: usize,
-    /// Whether in the plane z = 0 alone.
+    /// `true` if all nodes are in the plane z = 0.
     pub planar: bool,
     /// Sectors of the Yao graph.
     pub sectors: usize,
@@ -42,13 +42,13 @@ pub struct StageOptions {
     pub hops: u32,
     /// t of the endpoint surface.
     pub outermost: f32,
-    /// At most so many endpoints.
+    /// Greatest number of endpoints.
     pub count: usize,
     /// Random weights in place of hops.
     pub randomness: f32,
-    /// Only lower or only higher than the source.
+    /// Restricts endpoints to those lower or to those higher than the source.
     pub side: Option<Side>,
-    /// Whether the stage refines the graph, to this share of the spacing.
+    /// Share of the spacing to which the stage refines the graph; `None` if it does not.
     pub refinement: Option<f32>,
 }
 

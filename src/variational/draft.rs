@@ -14,7 +14,7 @@ pub(super) struct Draft {
     pub(super) positions: Vec<DVec3>,
     /// The root's is 0.
     pub(super) parents: Vec<u32>,
-    /// The level in which each node was made, one more for branches than for the axis that bears them.
+    /// The level in which each node was made, one more for branches than for their parent axis.
     pub(super) stages: Vec<u16>,
     pub(super) wishes: Vec<Wish>,
     /// For each shape node the branch node it hangs on.
@@ -73,8 +73,8 @@ impl Draft {
         self.len() - 1
     }
 
-    /// Whether shape nodes may hang on a node, and axes of later levels stand on it: the stem's nodes bear their n laterals
-    /// and nothing else.
+    /// `true` if a node may carry shape nodes and axes of later levels. The stem's nodes may not: they bear
+    /// their n laterals and nothing else.
     pub(super) fn is_open(&self, node: usize) -> bool {
         self.stages[node] > 0
     }
@@ -144,7 +144,7 @@ impl Draft {
             let lean = if metamer == 0 { lean } else { 0.0 };
             let wish = Wish::new(length).with_angle(f64::from(lean));
             node = self.push(from + along * (start + step * (metamer + 1) as f64), node, stage, wish);
-            let bearer = node;
+            let parent = node;
             let mut here = Vec::with_capacity(laterals);
             for lateral in 0..laterals {
                 let around = std::f32::consts::TAU * lateral as f32 / laterals as f32;
@@ -152,7 +152,7 @@ impl Draft {
                 let side = x * f64::from(cos) + y * f64::from(sin);
                 let leans = along * f64::from(cos_angle) + side * f64::from(sin_angle);
                 let direction = if laterals == 1 && metamer + 1 == metamers { along } else { leans };
-                let reach = LATERAL * reach(cluster, self.positions[bearer], direction).unwrap_or(step);
+                let reach = LATERAL * reach(cluster, self.positions[parent], direction).unwrap_or(step);
                 // A lone lateral at the axis's end is what the axis goes on as.
                 let goes_on = laterals == 1 && metamer + 1 == metamers;
                 let angle = if goes_on { 0.0 } else { level.angle() };
@@ -160,8 +160,8 @@ impl Draft {
                 if let Some(&mate) = mates.get(lateral).filter(|_| !goes_on) {
                     wish = wish.with_turn(mate as u32, f64::from(level.turn()));
                 }
-                let place = self.positions[bearer] + direction * reach;
-                here.push(self.push(place, bearer, stage + 1, wish));
+                let place = self.positions[parent] + direction * reach;
+                here.push(self.push(place, parent, stage + 1, wish));
             }
             mates = here;
         }
@@ -178,8 +178,9 @@ impl Draft {
         self.owners = nearest(&positions, places).into_iter().map(|i| open[i as usize]).collect();
     }
 
-    /// Laterals of the stem that carry nothing get the shape node nearest to them, where others of their node carry
-    /// something; otherwise a whorl would have gaps. Only from nodes that have more than one.
+    /// Laterals of the stem that carry nothing get the shape node nearest to them, where others of their node
+    /// carry something; otherwise a whorl would have gaps. Takes shape nodes only from nodes that have more
+    /// than one.
     pub(super) fn feed_laterals(&mut self, places: &[DVec3]) {
         let orders = self.orders();
         let is_lateral =
@@ -240,9 +241,9 @@ impl Draft {
         orders
     }
 
-    /// Takes out the internodes that have shrunk to less than a tenth of the length asked for; what sprang from them
-    /// springs from where they did, unless that is the stem or bears more than `most` already. Nodes of the stem that bear
-    /// nothing go as well.
+    /// Takes out the internodes that have shrunk to less than a tenth of the length asked for; all that
+    /// sprang from them then springs from their parent node, unless that is on the stem or would bear more
+    /// than `most`. Nodes of the stem that bear nothing go as well.
     pub(super) fn contract(&mut self, most: usize) {
         let mut bears = vec![0_usize; self.len()];
         self.owners.iter().for_each(|&owner| bears[owner as usize] += 1);
@@ -263,7 +264,7 @@ impl Draft {
                 self.wishes[node].length = length;
             }
         }
-        // What goes on from a bare node is as long as both were to be.
+        // The internode that goes on from a bare node is as long as both were to be.
         for node in 1..self.len() {
             let below = self.parents[node] as usize;
             if !holds[below] && !self.is_open(below) && !has_lateral[below] {
@@ -282,7 +283,7 @@ impl Draft {
             let below = self.parents[node] as usize;
             let parent = names[below];
             names[node] = parent;
-            // What went straight on from a node that is gone stands where that stood, at its angle.
+            // An internode that went straight on from a removed node takes that node's place, and its angle.
             if below > 0 && !holds(below) && self.stages[below] == self.stages[node] {
                 (wishes[node].angle, wishes[node].turn) = (wishes[below].angle, wishes[below].turn);
             }

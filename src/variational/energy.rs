@@ -1,4 +1,4 @@
-//! What a tree costs: section 3.3, equations 4 to 8.
+//! The cost of a tree: section 3.3, equations 4 to 8.
 
 use glam::DVec3;
 
@@ -76,8 +76,9 @@ pub fn structure(skeleton: &Skeleton, beta: f32) -> Result<Energy, ParameterErro
     Ok(Energy { value, gradient })
 }
 
-/// `F_E = Σ d_i min_j |q_i - p_j| / Σ d_i`, equation 7, metres, with its gradient: how far the shape nodes are from the
-/// skeleton's nodes. Of nodes equally near the first counts. O((n + m) log n) for m shape nodes.
+/// `F_E = Σ d_i min_j |q_i - p_j| / Σ d_i`, equation 7, metres, with its gradient: the distance of the shape
+/// nodes from the skeleton's nodes. If several nodes are equally near, the first counts. O((n + m) log n) for
+/// m shape nodes.
 ///
 /// The tree's own tips are shape nodes, so this says something of the [structure](super::Growth::structure) below them.
 ///
@@ -119,12 +120,12 @@ pub fn penalty(skeleton: &Skeleton, wishes: &[Wish], beta: f32) -> Result<Energy
         let holds = wish.angle.is_none_or(|angle| (0.0..=std::f64::consts::PI).contains(&angle));
         ParameterError::unless(holds, "Wish.angle", wish.angle, "in [0, π] radians")?;
         let holds = wish.turn.is_none_or(|(mate, turn)| {
-            let bearer = parents[node] as usize;
+            let parent = parents[node] as usize;
             turn.abs() <= std::f64::consts::TAU
                 && (1..skeleton.len()).contains(&(mate as usize))
-                && bearer > 0
-                && mate as usize != bearer
-                && parents[mate as usize] == parents[bearer]
+                && parent > 0
+                && mate as usize != parent
+                && parents[mate as usize] == parents[parent]
         });
         ParameterError::unless(
             holds,
@@ -141,7 +142,7 @@ pub fn penalty(skeleton: &Skeleton, wishes: &[Wish], beta: f32) -> Result<Energy
     Ok(Energy { value: deviations(&positions, &parents, wishes, &thick, Soft::NONE, add), gradient })
 }
 
-/// How the kinks of the energy are rounded off, so that it has a slope everywhere.
+/// Rounding of the kinks of the energy, so that it has a slope everywhere.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Soft {
     /// Lengths are sqrt(l² + soft²), metres.
@@ -154,11 +155,11 @@ pub(super) struct Soft {
 }
 
 impl Soft {
-    /// Not at all.
+    /// No rounding.
     pub(super) const NONE: Self = Self { length: 0.0, deviation: 0.0, turn: 0.0 };
 }
 
-/// The share of its weight that a turn counts beside such an angle to the axis; see [`Soft::turn`].
+/// Factor on the weight of a turn at this angle to the axis; see [`Soft::turn`].
 fn fade(angle: &Measured<3>, soft: f64) -> Measured<3> {
     let (sin, cos) = (libm::sin(angle.value), libm::cos(angle.value));
     let (square, floor) = (sin * sin, soft * soft);
@@ -185,43 +186,43 @@ pub(super) fn deviations(
     let mut sum = 0.0;
     for (node, wish) in wishes.iter().enumerate().skip(1).filter(|&(node, _)| thick[node] > 0.0) {
         let weight = wish.length * thick[node];
-        let bearer = parents[node] as usize;
-        let before = parents[bearer] as usize;
-        let way = at(node) - at(bearer);
+        let parent = parents[node] as usize;
+        let before = parents[parent] as usize;
+        let way = at(node) - at(parent);
         let (value, slope) = size(way.length() / wish.length - 1.0);
         let by = way.normalize_or_zero() * (slope * thick[node]);
         sum += weight * value;
         add(node, by);
-        add(bearer, -by);
-        if bearer == 0 {
+        add(parent, -by);
+        if parent == 0 {
             continue;
         }
         if let Some(wanted) = wish.angle {
-            let measured = angle(at(before), at(bearer), at(node));
+            let measured = angle(at(before), at(parent), at(node));
             let (value, slope) = size(measured.value - wanted);
             sum += weight * value;
-            for (node, by) in [before, bearer, node].into_iter().zip(measured.gradient) {
+            for (node, by) in [before, parent, node].into_iter().zip(measured.gradient) {
                 add(node, by * (slope * weight));
             }
         }
         if let Some((mate, wanted)) = wish.turn.filter(|&(mate, _)| thick[mate as usize] > 0.0) {
             let mate = mate as usize;
-            let measured = turn(at(mate), at(before), at(bearer), at(node));
+            let measured = turn(at(mate), at(before), at(parent), at(node));
             let (value, slope) = size(wrapped(measured.value - wanted));
             let mut weight = weight;
             if soft.turn > 0.0 {
-                let near = fade(&angle(at(before), at(bearer), at(node)), soft.turn);
-                let far = fade(&angle(at(mate), at(before), at(bearer)), soft.turn);
-                for (node, by) in [before, bearer, node].into_iter().zip(near.gradient) {
+                let near = fade(&angle(at(before), at(parent), at(node)), soft.turn);
+                let far = fade(&angle(at(mate), at(before), at(parent)), soft.turn);
+                for (node, by) in [before, parent, node].into_iter().zip(near.gradient) {
                     add(node, by * (weight * value * far.value));
                 }
-                for (node, by) in [mate, before, bearer].into_iter().zip(far.gradient) {
+                for (node, by) in [mate, before, parent].into_iter().zip(far.gradient) {
                     add(node, by * (weight * value * near.value));
                 }
                 weight *= near.value * far.value;
             }
             sum += weight * value;
-            for (node, by) in [mate, before, bearer, node].into_iter().zip(measured.gradient) {
+            for (node, by) in [mate, before, parent, node].into_iter().zip(measured.gradient) {
                 add(node, by * (slope * weight));
             }
         }

@@ -18,7 +18,7 @@ const NEIGHBORS: [usize; 2] = [10, 64];
 const LARGE: f64 = 0.01;
 /// A move must save this part of `F_I`; the moves end when none does.
 const LEAST_SAVING: f64 = 1e-5;
-/// And this part if it takes a lateral from the stem, so that the stem has its N nodes for the most part.
+/// The same for a move that takes a lateral from the stem, so that the stem keeps most of its N nodes.
 const LEAST_OF_STEM: f64 = 5e-4;
 /// Sweeps over all nodes, at most.
 const SWEEPS: usize = 6;
@@ -38,7 +38,7 @@ pub(super) struct Graft<'a> {
     thick: Vec<f64>,
     gone: Vec<bool>,
     powers: Powers,
-    /// Whether there will be no more twigs, so that shape nodes stay where they hang.
+    /// `true` once all twigs are there, so that shape nodes stay on their branch nodes.
     has_twigs: bool,
 }
 
@@ -180,8 +180,8 @@ impl<'a> Graft<'a> {
         any
     }
 
-    /// Whether a subtree may leave where it hangs: the stem stays, and so do whorls of its laterals, and no node is left
-    /// with nothing.
+    /// `true` if a subtree may be moved to another parent. The stem stays, whorls of its laterals stay, and
+    /// no node may lose the last thing that it carries.
     fn is_free(&self, node: u32) -> bool {
         let parent = self.parent(node) as usize;
         let left = self.children[parent].len() + self.carried[parent].len() - 1;
@@ -207,7 +207,7 @@ impl<'a> Graft<'a> {
         }
         let flow = self.flows[node as usize];
         let (old, thick) = (self.parent(node), self.thick[node as usize]);
-        // What each ancestor's internodes below it save.
+        // The cost that the internodes below each ancestor save.
         let (mut saved, mut below) = (0.0, old);
         marks[below as usize] = (turn, 0.0);
         while below != 0 {
@@ -407,8 +407,8 @@ impl<'a> Graft<'a> {
         self.draft.len() as u32 - 1
     }
 
-    /// A new node in the internode to `node`, of which `share` lies below it. What was asked of the internode is asked of
-    /// its lower part, and the upper goes straight on.
+    /// A new node in the internode to `node`, of which `share` lies below it. The targets of the internode
+    /// pass to its lower part, and the upper goes straight on.
     fn insert(&mut self, node: u32, share: f64, position: DVec3) -> u32 {
         let (parent, mut wish) = (self.parent(node), self.draft.wishes[node as usize]);
         let whole = wish.length;
@@ -473,8 +473,8 @@ impl<'a> Graft<'a> {
         }
     }
 
-    /// What two items of a node save if they share a twig, and where it ends: Weiszfeld's steps from the best of some
-    /// places on the way to the middle of both.
+    /// The cost that two items of a node save if they share a twig, and the twig's end, found by Weiszfeld's
+    /// steps from the best of some places on the way to the middle of both.
     fn gain(&self, node: u32, both: [Item; 2]) -> (f64, DVec3) {
         let from = self.at(node);
         let [(a, flow_a, pull_a), (b, flow_b, pull_b)] = both.map(|item| self.item(item));

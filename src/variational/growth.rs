@@ -1,4 +1,4 @@
-//! What the optimization gives: the tree, and the energy of every step.
+//! The result of the optimization: the tree, and the energy of every step.
 
 use super::energy::Wish;
 use crate::observer::Cancelled;
@@ -36,7 +36,9 @@ pub struct Step {
     pub guidance: f64,
     /// `F_P`, metres to the power of 1 + β.
     pub penalty: f64,
-    /// What wood outside of the shape costs, see [`VariationalSynth::with_outside_price`](super::VariationalSynth::with_outside_price); metres to the power of 1 + β.
+    /// Cost of wood outside of the shape, see
+    /// [`VariationalSynth::with_outside_price`](super::VariationalSynth::with_outside_price); metres to the
+    /// power of 1 + β.
     pub outside: f64,
     /// Branch nodes, the root included.
     pub branch_nodes: usize,

@@ -36,7 +36,7 @@ const CANDIDATES: usize = 5;
 impl GuidanceShape {
     /// Shape nodes of your own: `positions` (metres), each `diameter` metres across.
     ///
-    /// Nothing is checked here; [`check`](Self::check) does, where synthesis starts.
+    /// Checks nothing; [`check`](Self::check) does, where synthesis starts.
     pub fn from_points(positions: impl Into<Vec<Vec3>>, diameter: f32) -> Self {
         let positions = positions.into();
         let diameters = vec![diameter; positions.len()];
@@ -51,8 +51,9 @@ impl GuidanceShape {
 
     /// `count` shape nodes, from 2 to 20,000,000, spread evenly in `shape`.
     ///
-    /// Poisson-disc: of five random points a node those far apart are kept. The area A of a node is that of a square as
-    /// far across as the nodes are apart, `(volume / count)^(2/3)`, and its diameter `2 sqrt(A / 2π)`. O(n log n).
+    /// Poisson-disc: draws five random points per node and keeps those far apart. The area A of a node is
+    /// that of a square as far across as the nodes are apart, `(volume / count)^(2/3)`, and its diameter `2
+    /// sqrt(A / 2π)`. O(n log n).
     ///
     /// # Errors
     /// A shape that fails its check or holds nothing, or a count out of range.
@@ -81,11 +82,12 @@ impl GuidanceShape {
     /// `jitter` times their distance from each other, in [0, 4]: half of that each for itself, half together with its
     /// neighbours. With 0 all are on the surface.
     ///
-    /// Of a shape that can [sample](Shape::sample_surface) its surface, as meshes can, five points a node are drawn from
-    /// it. With others, random lines meet a surface evenly (Crofton), and how often they do gives its area; so all that is asked of the
-    /// shape is what it contains. Where it is thinner than a 200th of its bounds, lines may pass through unnoticed. Of
-    /// five places a node those far apart are kept; A is the area over the count, the diameter `2 sqrt(A / 2π)`.
-    /// O(n log n), and without surface samples about 2000 calls of `contains` a node.
+    /// From a shape that can [sample](Shape::sample_surface) its surface, as meshes can, five points per node
+    /// are drawn. With others, random lines meet a surface evenly (Crofton), and the number of hits gives its
+    /// area, so that only [`contains`](Shape::contains) is needed. Lines may pass unnoticed through parts
+    /// thinner than a 200th of the bounds. Out of five places per node those far apart are kept; A is the
+    /// area over the count, the diameter `2 sqrt(A / 2π)`. O(n log n), and without surface samples about 2000
+    /// calls of `contains` per node.
     ///
     /// # Errors
     /// A shape that fails its check or of which no surface is found, or a count or a jitter out of range.
@@ -123,8 +125,8 @@ impl GuidanceShape {
             let along = Vec3::new(level * cos, height, level * sin).normalize_or(Vec3::Y);
             let (sin, cos) = sin_cos(TAU * draw[2]);
             let (x, y) = along.any_orthonormal_pair();
-            let foot = center + (x * cos + y * sin) * (radius * draw[3].sqrt());
-            cross(shape, foot - along * radius, along * (2.0 * radius), &mut points);
+            let start = center + (x * cos + y * sin) * (radius * draw[3].sqrt());
+            cross(shape, start - along * radius, along * (2.0 * radius), &mut points);
             lines += 1;
         }
         // A line through a disc of the bounds' radius meets an area A on average A / (2π r²) times.
@@ -167,7 +169,7 @@ impl GuidanceShape {
         self.positions.len()
     }
 
-    /// Whether there are none.
+    /// `true` if there are no shape nodes.
     pub fn is_empty(&self) -> bool {
         self.positions.is_empty()
     }
@@ -187,11 +189,11 @@ impl GuidanceShape {
         Bounds::of(self.positions.iter().copied())
     }
 
-    /// Whether a tree can be made of this: two shape nodes or more, no two in one place, finite positions within
-    /// 1e6 metres of 0, one finite diameter above 0 each. O(n log n).
+    /// Checks that a tree can be made of this: two shape nodes or more, no two in one place, finite positions
+    /// within 1e6 metres of 0, one finite diameter above 0 each. O(n log n).
     ///
     /// # Errors
-    /// The first of these that is not so.
+    /// The first of these that does not hold.
     pub fn check(&self) -> Result<(), ParameterError> {
         let count = self.len();
         ParameterError::unless(
@@ -239,7 +241,7 @@ fn smooth_noise(place: Vec3, seed: u64) -> Vec3 {
         let offset = Vec3::new((corner & 1) as f32, (corner >> 1 & 1) as f32, (corner >> 2) as f32);
         let share = offset * part + (Vec3::ONE - offset) * (Vec3::ONE - part);
         let lattice = cell + offset;
-        // 20 bits an axis: what is a million cells apart may repeat.
+        // 20 bits per axis: what is a million cells apart may repeat.
         let index = lattice
             .to_array()
             .into_iter()

@@ -24,7 +24,7 @@ pub struct Level {
     turn: f32,
 }
 
-/// How many branches stand at a node, and how they are turned against those of the node before.
+/// Number of branches at a node, and their rotation relative to those of the node before.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(
     feature = "serde",
@@ -39,7 +39,7 @@ pub enum Phyllotaxis {
     Opposite,
     /// Two facing each other, each pair across the one before: n = 2, φ = 90°.
     Decussate,
-    /// So many around the node, in the gaps of the whorl before: φ = 180° / n.
+    /// This number n of branches around the node, in the gaps of the whorl before: φ = 180° / n.
     Whorled(u32),
     /// One, on by the golden angle: n = 1, φ = 137.5°.
     Spiral,
@@ -75,7 +75,7 @@ impl Level {
         self
     }
 
-    /// Sets θ, the angle between a branch and its bearing axis, radians in [0, π]; π/4 by default.
+    /// Sets θ, the angle between a branch and its parent axis, radians in [0, π]; π/4 by default.
     pub fn with_angle(mut self, angle: f32) -> Self {
         self.angle = angle;
         self
@@ -125,7 +125,7 @@ impl Level {
         self.turn
     }
 
-    /// Whether all parameters are in range.
+    /// Checks that all parameters are in range.
     ///
     /// # Errors
     /// The first that is not.

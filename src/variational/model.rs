@@ -14,7 +14,7 @@ pub(super) struct Weights {
     pub(super) power: f64,
     pub(super) lambda: f64,
     pub(super) mu: f64,
-    /// Of wood outside of the shape, over that inside.
+    /// Price of wood outside of the shape, over that inside.
     pub(super) outside: f64,
     /// Distance from every shape node beyond which a point is outside, metres.
     pub(super) margin: f64,
@@ -64,7 +64,8 @@ pub(super) struct Model<'a> {
     carried: Lists,
     /// d^β of each branch node's internode.
     pub(super) thick: Vec<f64>,
-    /// Of each branch node, then of the middle of each internode, the nearest shape node; empty if the outside costs nothing.
+    /// The nearest shape node of each branch node, then of the middle of each internode; empty if the outside
+    /// costs nothing.
     anchors: Vec<DVec3>,
 }
 
@@ -151,8 +152,8 @@ impl<'a> Model<'a> {
         terms
     }
 
-    /// How far branch nodes and the middles of internodes are from the shape, in wood; its slope is added. The trunk up to the
-    /// first branch node does not count.
+    /// Cost, in wood, of the distance of branch nodes and the middles of internodes from the shape; adds its
+    /// gradient to `slope`. The trunk up to the first branch node does not count.
     fn outside(&self, positions: &[DVec3], slope: &mut [DVec3]) -> f64 {
         let mut sum = 0.0;
         let count = if self.anchors.is_empty() { 0 } else { positions.len() };
@@ -196,7 +197,7 @@ impl<'a> Model<'a> {
         for node in 1..count {
             let parent = self.parents[node] as usize;
             let way = positions[node] - positions[parent];
-            // What is asked of an internode resists too, over about the length asked for.
+            // The target of an internode resists too, over about the target length.
             let wished = self.wishes[node].length.min(way.length()).max(soft.length);
             let spring = stiff(self.thick[node], way)
                 + self.weights.mu * self.thick[node] / (4.0 * soft.deviation * wished);

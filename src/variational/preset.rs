@@ -31,7 +31,7 @@ pub struct Preset {
     pub name: &'static str,
     /// The number of the figure.
     pub figure: u8,
-    /// What the tree shows.
+    /// Caption of the tree's picture.
     pub caption: &'static str,
     /// The shape nodes of its picture: table 2 where it has them.
     pub shape_nodes: usize,
@@ -55,7 +55,8 @@ impl Preset {
         self
     }
 
-    /// The optimization, with so many shape nodes; [`shape_nodes`](Self::shape_nodes) for the figure's detail.
+    /// The optimization with this number of shape nodes; pass the field [`shape_nodes`](Self::shape_nodes)
+    /// for the figure's detail.
     ///
     /// # Errors
     /// Fewer shape nodes than 4, or more than 20,000,000.
@@ -253,7 +254,8 @@ fn outline(points: &[(f32, f32)]) -> Outline {
     Outline::smooth(points.iter().map(|&point| Vec2::from(point)).collect::<Vec<_>>())
 }
 
-/// On a trunk of its own, under a leg of the letter where it has one: from the middle, thick wood would cross its gaps.
+/// A letter on a trunk of its own, under a leg of the letter if it has one: from the middle, thick wood would
+/// cross its gaps.
 fn solid_letter(count: usize, of: char) -> Result<VariationalSynth, ParameterError> {
     let solid = Extrusion::new(letter(of, 1.6), 1.2);
     let under = match of {
@@ -274,11 +276,12 @@ fn dome(count: usize, trunk: Level) -> Result<VariationalSynth, ParameterError> 
     tree(&crown, count, 0.36, &[trunk, axis(4, 0.8, 45.0, Spiral), twig(0.8), twig(0.8)])
 }
 
-/// Half of the shape nodes on the crown's surface, half in it; the foot so many metres across.
+/// Half of the shape nodes on the crown's surface, half in it; the trunk base has the diameter `base`,
+/// metres.
 fn tree(
     crown: &dyn Shape,
     count: usize,
-    foot: f32,
+    base: f32,
     levels: &[Level],
 ) -> Result<VariationalSynth, ParameterError> {
     let shape = GuidanceShape::on_surface(crown, count / 2, 1)?.joined(&GuidanceShape::in_volume(
@@ -286,6 +289,6 @@ fn tree(
         count - count / 2,
         1,
     )?);
-    let radius = Taper::new(PipeModel::default().with_trunk_diameter(foot));
+    let radius = Taper::new(PipeModel::default().with_trunk_diameter(base));
     Ok(VariationalSynth::new(shape).with_levels(levels).with_radius(radius))
 }

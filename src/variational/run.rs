@@ -18,7 +18,7 @@ impl VariationalSynth {
     /// The tree of `seed`.
     ///
     /// # Errors
-    /// Options out of range, and radii that cannot be had.
+    /// Options out of range, and radii that the model cannot give.
     pub fn synthesize(&self, seed: u64) -> Result<Skeleton, VariationalError> {
         Ok(self.grow(seed, &Silent)?.skeleton)
     }
@@ -115,12 +115,12 @@ impl VariationalSynth {
         let sum: f64 = diameters.iter().sum();
         let flows: Vec<f64> = diameters.iter().map(|&d| libm::pow(d / largest, alpha)).collect();
         let unit = libm::pow(largest, beta);
-        let foot = unit * libm::pow(flows.iter().sum(), beta / alpha);
+        let base = unit * libm::pow(flows.iter().sum(), beta / alpha);
         let root = self.root.as_dvec3();
         let size = places.iter().map(|place| place.distance(root)).fold(0.0, f64::max);
         let weights = Weights {
             power: beta / alpha,
-            lambda: f64::from(self.lambda) * foot,
+            lambda: f64::from(self.lambda) * base,
             mu: f64::from(self.mu),
             outside: f64::from(self.outside),
             margin: if self.outside > 0.0 { MARGIN * spacing(&places) } else { 0.0 },
@@ -311,11 +311,12 @@ impl Run<'_, '_> {
     }
 }
 
-/// How many times a tree is as high as its trunk base is wide, if nothing else is asked for: trees in the open have
-/// between 20 and 60.
+/// Default ratio of a tree's height to the diameter of its trunk base: trees in the open have between 20 and
+/// 60.
 const SLENDERNESS: f32 = 36.0;
 
-/// How many times as far from a shape node as these are from each other the outside begins.
+/// Distance from the shape nodes at which the outside begins, in units of their median distance from each
+/// other.
 const MARGIN: f64 = 1.5;
 
 /// The median distance of a shape node from its nearest neighbour.

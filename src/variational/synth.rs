@@ -11,11 +11,12 @@ use crate::radius::RadiusModel;
 
 /// Grows the tree that fills a [`GuidanceShape`] at the least cost.
 ///
-/// The cost is `F = F_I + λF_E + μF_P` (equation 4), all in the unit of `F_I`, metres to the power of 1 + β: λ, given as a plain
-/// number, is multiplied by D^β, where D is the foot's diameter by equation 2, and [`F_P`](super::penalty) counts in wood. A
-/// tree twice as large therefore has the same form.
+/// The cost is `F = F_I + λF_E + μF_P` (equation 4), all in the unit of `F_I`, metres to the power of 1 + β:
+/// λ, given as a plain number, is multiplied by D^β, where D is the diameter of the trunk base by equation 2,
+/// and [`F_P`](super::penalty) counts in wood. A tree twice as large therefore has the same form.
 ///
-/// Cost: O(n log n) a round, see [`with_rounds`](Self::with_rounds); 100,000 shape nodes take less than 300 MB.
+/// Cost: O(n log n) per round, see [`with_rounds`](Self::with_rounds); 100,000 shape nodes take less than 300
+/// MB.
 ///
 /// ```
 /// use treesynth::{glam::Vec3, shape::HalfEllipsoid};
@@ -57,7 +58,7 @@ impl VariationalSynth {
         (self.lambda, self.mu)
     }
 
-    /// What [`with_outside_price`](Self::with_outside_price) sets.
+    /// The price of wood outside of the shape; set by [`with_outside_price`](Self::with_outside_price).
     pub fn outside_price(&self) -> f32 {
         self.outside
     }
@@ -67,7 +68,7 @@ impl VariationalSynth {
         self.prune_order
     }
 
-    /// What [`with_radius`](Self::with_radius) sets.
+    /// The radius model; set by [`with_radius`](Self::with_radius).
     pub fn radius(&self) -> Option<&dyn RadiusModel> {
         self.radius.as_deref()
     }
@@ -184,7 +185,7 @@ impl VariationalSynth {
         &self.levels
     }
 
-    /// Whether all options are in range. O(n log n) for n shape nodes.
+    /// Checks that all options are in range. O(n log n) for n shape nodes.
     ///
     /// # Errors
     /// The first that is not.

@@ -8,12 +8,12 @@ pub(super) struct Measured<const N: usize> {
     pub(super) gradient: [DVec3; N],
 }
 
-/// Below this, in metres, a direction says nothing.
+/// Length below which a direction is undefined, metres.
 const TINY: f64 = 1e-9;
 
 /// Angle between the internode from `from` to `to` and the one from `before` to `from`, by (before, from, to).
 ///
-/// In radians, [0, π]. Where it is 0 or π, or a length is zero, the gradient is taken as zero.
+/// The angle in radians, [0, π]. If it is 0 or π, or a length is zero, the gradient is taken as zero.
 pub(super) fn angle(before: DVec3, from: DVec3, to: DVec3) -> Measured<3> {
     let (u, v) = (to - from, from - before);
     let (cross, dot) = (u.cross(v), u.dot(v));
@@ -30,8 +30,8 @@ pub(super) fn angle(before: DVec3, from: DVec3, to: DVec3) -> Measured<3> {
 
 /// Angle by which `d` is turned against `a` about the axis from `b` to `c`, by (a, b, c, d).
 ///
-/// In radians, (-π, π], right-handed. Where a, b, c or b, c, d are in line the gradient is taken as zero. Blondel and
-/// Karplus 1996, "New formulation for derivatives of torsion angles", equation 27.
+/// The torsion angle in radians, (-π, π], right-handed. If a, b, c or b, c, d are in line, the gradient is
+/// taken as zero. Blondel and Karplus 1996, "New formulation for derivatives of torsion angles", equation 27.
 pub(super) fn turn(a: DVec3, b: DVec3, c: DVec3, d: DVec3) -> Measured<4> {
     let (f, g, h) = (a - b, b - c, d - c);
     let (m, n) = (f.cross(g), h.cross(g));

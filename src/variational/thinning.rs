@@ -32,7 +32,7 @@ impl Grid {
         self.next[point] = std::mem::replace(&mut self.heads[slot], point as u32);
     }
 
-    /// Whether no point taken is closer than a cell's side.
+    /// `true` if no point taken so far is closer than a cell's side.
     fn is_free(&self, points: &[Vec3], place: Vec3) -> bool {
         let [x, y, z] = self.cell(place);
         (0..27).all(|i| {

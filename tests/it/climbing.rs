@@ -224,7 +224,7 @@ fn a_tree_climbs() {
     let synth = TreeSynth::new(builder(&mesh).with_nodes(4_000).with_root(Vec3::new(1.5, 0.0, 0.3)))
         .stage(Stage::new(FollowField::new(Uniform::new(Vec3::Y)), InShape::poisson_disc(top, 30)));
     let tree = synth.synthesize(1).expect("a tree");
-    testing::hold_skeleton(&tree).expect("a tree");
+    testing::check_skeleton(&tree).expect("a tree");
     assert!(tree.positions().iter().all(|&p| distance(&mesh, p) < 1e-5));
     assert!(tree.positions().iter().any(|p| p.z < 0.01), "over the top and down the back");
 }

@@ -95,7 +95,7 @@ fn bits(v: Option<Vec3>) -> Option<[u32; 3]> {
 }
 
 /// Trees, costs, ways and vectors of every stage are those of a pipeline that starts from nothing.
-fn hold_same(regrowth: &Regrowth<'_>, synth: &TreeSynth, graph: &Graph, seed: u64) {
+fn check_same(regrowth: &Regrowth<'_>, synth: &TreeSynth, graph: &Graph, seed: u64) {
     let mut search = Search::new(graph);
     let fresh = synth.grow_all(&mut search, seed, &Silent).expect("trees");
     assert_eq!(regrowth.trees(), fresh);
@@ -157,7 +157,7 @@ proptest! {
         let grow = |synth: &TreeSynth| synth.grow_all(&mut Search::new(&graph), seed, &Silent);
         prop_assume!(grow(&synth(&stages)).is_ok());
         let mut regrowth = Regrowth::new(&synth(&stages), &graph, seed, &Silent).expect("trees");
-        hold_same(&regrowth, &synth(&stages), &graph, seed);
+        check_same(&regrowth, &synth(&stages), &graph, seed);
         let mut obstacle = first;
         for edit in &row[1..] {
             let before = stages.clone();
@@ -182,7 +182,7 @@ proptest! {
             match grow(&edited) {
                 Ok(_) => {
                     regrowth.regrow(&edited, &boxes, &Silent).expect("trees");
-                    hold_same(&regrowth, &edited, &graph, seed);
+                    check_same(&regrowth, &edited, &graph, seed);
                     if edit.which >> 3 & 1 == 1 {
                         obstacle = edit;
                     }
@@ -194,7 +194,7 @@ proptest! {
                     prop_assert_eq!(regrowth.trees(), trees);
                     stages = before;
                     regrowth.regrow(&synth(&stages), &[], &Silent).expect("what was");
-                    hold_same(&regrowth, &synth(&stages), &graph, seed);
+                    check_same(&regrowth, &synth(&stages), &graph, seed);
                 }
             }
         }
@@ -213,7 +213,7 @@ fn stages_come_and_go_and_refinements_are_refused() {
     let longer = synth.clone().stage(twigs()).stage(twigs());
     for synth in [&longer, &synth, &longer, &longer.clone().first_stages(3)] {
         tree.regrow(synth, &[], &Silent).expect("a tree");
-        hold_same(&tree, synth, &graph, 1);
+        check_same(&tree, synth, &graph, 1);
     }
     let before = tree.trees().to_vec();
     tree.regrow(&longer.clone().first_stages(3), &[], &Silent).expect("a tree");

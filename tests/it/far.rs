@@ -181,7 +181,7 @@ fn solids_far_away_are_those_near_the_origin() {
 fn errors_say_where_how_coarse_and_what_would_do() {
     let tree = moved(&fork(1.0), PLACES[5]);
     let error = Tubes::default().mesh(&tree).expect_err("half a metre is more than a branch").to_string();
-    for part in ["5428000", "0.5 m", "take an offset off"] {
+    for part in ["5428000", "0.5 m", "subtract an offset"] {
         assert!(error.contains(part), "{error}");
     }
 }

@@ -146,7 +146,7 @@ fn twenty_trees_give_way_to_each_other() {
         assert!((280_000..320_000).contains(&graph.nodes()), "{} nodes", graph.nodes());
         let growths = grown(&synth, &graph, seed);
         assert_eq!(growths.len(), 20);
-        hold_grove(&graph, &growths);
+        check_grove(&graph, &growths);
         let together: Vec<Skeleton> = growths.into_iter().map(|growth| growth.skeleton).collect();
         for (tree, foot) in together.iter().zip(feet()) {
             assert_eq!(tree.positions()[0], foot);
@@ -173,7 +173,7 @@ fn twenty_trees_give_way_to_each_other() {
 }
 
 /// No node in two trees, every skeleton sound, endpoints on their trees.
-fn hold_grove(graph: &Graph, growths: &[Growth]) {
+fn check_grove(graph: &Graph, growths: &[Growth]) {
     let mut all: Vec<u32> = growths.iter().flat_map(|growth| growth.nodes.iter().copied()).collect();
     let count = all.len();
     all.sort_unstable();
@@ -181,7 +181,7 @@ fn hold_grove(graph: &Graph, growths: &[Growth]) {
     assert_eq!(all.len(), count, "a node is in two trees");
     for growth in growths {
         let graph = growth.graph.as_deref().unwrap_or(graph);
-        testing::hold_skeleton(&growth.skeleton).expect("a sound skeleton");
+        testing::check_skeleton(&growth.skeleton).expect("a sound skeleton");
         assert_eq!(growth.nodes.len(), growth.skeleton.len());
         for (&node, &place) in growth.nodes.iter().zip(growth.skeleton.positions()) {
             assert_eq!(graph.position(node), place);
@@ -230,7 +230,7 @@ proptest! {
         };
         let (graph, growths) = grow(1);
         prop_assert_eq!(growths.len(), feet.len());
-        hold_grove(&graph, &growths);
+        check_grove(&graph, &growths);
         for (growth, &foot) in growths.iter().zip(&feet) {
             prop_assert_eq!(growth.skeleton.positions()[0], foot);
             if led {
@@ -318,7 +318,7 @@ fn leaders_stand_in_graded_graphs() {
         let builder = GradedYao::new(region, sizing())
             .with_roots(feet)
             .with_leader(Leader::new(Vec3::ZERO, Vec3::Y * 5.0));
-        testing::hold_builder(&builder, seed).expect("a sound graph");
+        testing::check_builder(&builder, seed).expect("a sound graph");
         let graph = builder.build(seed, &Silent).expect("a graph");
         let spacing = builder.spacing().expect("a sound region");
         let trees = grown(&TreeSynth::new(builder).stage(nothing()), &graph, seed);

@@ -18,10 +18,10 @@ proptest! {
 
     #[test]
     fn pipelines(options in options(), seed: u64) {
-        testing::hold_builder(&options.builder(), seed)?;
+        testing::check_builder(&options.builder(), seed)?;
         let synth = options.synth();
         let graph = synth.build_graph(seed, &treesynth::Silent).map_err(|e| TestCaseError::fail(e.to_string()))?;
-        testing::hold_synth(&synth, &graph, seed)?;
+        testing::check_synth(&synth, &graph, seed)?;
         match synth.synthesize(seed) {
             Ok(skeleton) => prop_assert_eq!(skeleton, synth.synthesize_on(&graph, seed).unwrap()),
             Err(SynthesisError::Endpoints { .. }) => {}
@@ -36,48 +36,48 @@ proptest! {
         let graph = builder.build(seed, &treesynth::Silent).map_err(|e| TestCaseError::fail(e.to_string()))?;
         // A root on an island of the region, three spacings from everything else, leads nowhere.
         prop_assume!(graph.nodes() == 1 || graph.unreachable() + 1 < graph.nodes());
-        testing::hold_builder(&builder, seed)?;
+        testing::check_builder(&builder, seed)?;
     }
 
     #[test]
     fn rules(graph in graphs(), seed: u64, angle in -2f32..2.0, hops in 0u32..5) {
-        testing::hold_rule(Bend::piecewise(angle, -angle, hops), &graph, seed)?;
-        testing::hold_rule(Bend::random(angle, angle + 1.0, 0.1, hops), &graph, seed)?;
-        testing::hold_rule(SourceVector::new(SourceElevation::new(Bend::none(), [1.5, 0.3], [0.0, 2.0]), Vec3::Y), &graph, seed)?;
-        testing::hold_rule(ByStage::new().then(Bend::none()).then(Jitter::new(Bend::from_axis(angle), 0.5)), &graph, seed)?;
+        testing::check_rule(Bend::piecewise(angle, -angle, hops), &graph, seed)?;
+        testing::check_rule(Bend::random(angle, angle + 1.0, 0.1, hops), &graph, seed)?;
+        testing::check_rule(SourceVector::new(SourceElevation::new(Bend::none(), [1.5, 0.3], [0.0, 2.0]), Vec3::Y), &graph, seed)?;
+        testing::check_rule(ByStage::new().then(Bend::none()).then(Jitter::new(Bend::from_axis(angle), 0.5)), &graph, seed)?;
     }
 
     #[test]
     fn weights(graph in graphs(), seed: u64, exponent in 0f32..3.0) {
-        testing::hold_weight(GuidedPower::new(exponent), &graph, seed)?;
-        testing::hold_weight(Multimodal::new().with_cone(exponent, 1.0), &graph, seed)?;
+        testing::check_weight(GuidedPower::new(exponent), &graph, seed)?;
+        testing::check_weight(Multimodal::new().with_cone(exponent, 1.0), &graph, seed)?;
     }
 
     #[test]
     fn policies(graph in graphs(), region in regions(), seed: u64, hops in 1u32..5, count in 1usize..50) {
-        testing::hold_endpoints(InShape::poisson_disc(region.clone(), count), &graph, seed)?;
-        testing::hold_endpoints(InShape::uniform(region, Count::Share(0.2)), &graph, seed)?;
-        testing::hold_endpoints(HopSurface::new(hops, Count::UpTo(count)), &graph, seed)?;
-        testing::hold_endpoints(HopSurface::new(hops, count).only(Side::Lower), &graph, seed)?;
+        testing::check_endpoints(InShape::poisson_disc(region.clone(), count), &graph, seed)?;
+        testing::check_endpoints(InShape::uniform(region, Count::Share(0.2)), &graph, seed)?;
+        testing::check_endpoints(HopSurface::new(hops, Count::UpTo(count)), &graph, seed)?;
+        testing::check_endpoints(HopSurface::new(hops, count).only(Side::Lower), &graph, seed)?;
     }
 
     #[test]
     fn shapes(region in regions(), seed: u64) {
-        testing::hold_shape(&region, seed)?;
+        testing::check_shape(&region, seed)?;
     }
 
     #[test]
     fn fields(graph in graphs(), angle in -1.5f32..1.5) {
-        testing::hold_field(&Helix::with_angle(Vec3::ZERO, angle), graph.positions())?;
-        testing::hold_field(&SphericalMeridians::new(Vec3::Y), graph.positions())?;
-        testing::hold_field(&Sum::new().with(Source::new(Vec3::Y, 1.0)).with(Vortex::new(Vec3::ZERO, Vec3::Y, angle)), graph.positions())?;
+        testing::check_field(&Helix::with_angle(Vec3::ZERO, angle), graph.positions())?;
+        testing::check_field(&SphericalMeridians::new(Vec3::Y), graph.positions())?;
+        testing::check_field(&Sum::new().with(Source::new(Vec3::Y, 1.0)).with(Vortex::new(Vec3::ZERO, Vec3::Y, angle)), graph.positions())?;
     }
 
     #[test]
     fn radii(skeleton in skeletons(200), exponent in 1.5f32..4.0) {
-        testing::hold_skeleton(&skeleton)?;
-        testing::hold_radius(&PipeModel::default().with_exponent(exponent), &skeleton)?;
-        testing::hold_radius(&Taper::new(PipeModel::default().with_trunk_diameter(0.5)), &skeleton)?;
-        testing::hold_radius(&Variational::default(), &skeleton)?;
+        testing::check_skeleton(&skeleton)?;
+        testing::check_radius(&PipeModel::default().with_exponent(exponent), &skeleton)?;
+        testing::check_radius(&Taper::new(PipeModel::default().with_trunk_diameter(0.5)), &skeleton)?;
+        testing::check_radius(&Variational::default(), &skeleton)?;
     }
 }

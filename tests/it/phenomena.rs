@@ -31,7 +31,7 @@ fn rivers_run_downhill_and_keep_hacks_law() {
     let mut exponents = Vec::new();
     for seed in 1..=12 {
         let (tree, graph) = rivers::rivers(12_000, seed).expect("a land");
-        testing::hold_skeleton(&tree).expect("a tree");
+        testing::check_skeleton(&tree).expect("a tree");
         assert_eq!(tree.len(), graph.nodes(), "all water reaches the outlet");
         for (node, parent) in tree.edges() {
             let fall = tree.positions()[node].y - tree.positions()[parent].y;
@@ -63,7 +63,7 @@ fn twigs_follow_a_simulated_wind() {
 fn roots_stay_below_ground_and_out_of_stones() {
     for seed in 1..=5 {
         let tree = roots::roots(20_000).synthesize(seed).expect("roots");
-        testing::hold_skeleton(&tree).expect("a tree");
+        testing::check_skeleton(&tree).expect("a tree");
         for &position in tree.positions() {
             assert!(position.y <= 0.0, "{position} is above ground");
             for (center, radius) in roots::STONES {
@@ -155,7 +155,7 @@ fn cracks_close_their_cells() {
 fn ivy_lies_on_the_wall_and_its_leaves_look_away() {
     for seed in 1..=3 {
         let ivy = ivy::ivy(8_000, seed).expect("an ivy");
-        testing::hold_skeleton(&ivy.tree).expect("a tree");
+        testing::check_skeleton(&ivy.tree).expect("a tree");
         let corners: Vec<[Vec3; 3]> = ivy
             .ruin
             .triangles

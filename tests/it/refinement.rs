@@ -135,7 +135,7 @@ fn stages_go_on_as_ever() {
         .stage(twigs(200).with_refinement(Refinement::new(region(), FINE * 0.6)))
         .stage(twigs(200));
     let graph = synth.build_graph(3, &Silent).unwrap();
-    testing::hold_synth(&synth, &graph, 3).unwrap();
+    testing::check_synth(&synth, &graph, 3).unwrap();
     let mut search = Search::new(&graph);
     let growth = synth.grow(&mut search, 3, &Silent).unwrap();
     let finer = growth.graph.as_ref().expect("refined");

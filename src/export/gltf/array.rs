@@ -17,23 +17,23 @@ const ELEMENT_ARRAY_BUFFER: u32 = 34963;
 #[derive(Debug)]
 pub(super) enum Array<'a> {
     Vertices(Vertices<'a>),
-    /// Of so many copies of a mesh, of two bytes each if `short`.
+    /// Indices of `copies` copies of a mesh, of two bytes each if `short`.
     Indices {
         mesh: &'a Mesh,
         copies: usize,
         short: bool,
     },
-    /// Places of copies; of rounded meshes, which `grid` scales back.
+    /// Positions of copies; for rounded meshes `grid` scales them back.
     Translations(&'a [Instance], Option<Grid>),
     Rotations(&'a [Instance]),
     Scales(&'a [Instance], Option<Grid>),
     Tints(&'a [Instance]),
-    /// Four bones a vertex, and how much each has to say.
+    /// Four bones per vertex, and their weights.
     Bones(&'a [[u16; 4]]),
     Weights(&'a [Vec4]),
-    /// Of bones, column by column.
+    /// Matrices of bones, column by column.
     Matrices(&'a [[f32; 16]]),
-    /// Of an animation: its keys, and the rotations there.
+    /// Keys of an animation, and the rotations there.
     Times(&'a [f32]),
     Turns(&'a [Vec4]),
     /// A file within the file.
@@ -49,7 +49,7 @@ pub(super) struct Vertices<'a> {
     pub(super) copies: Option<&'a [Instance]>,
     /// Positions are whole numbers on it.
     pub(super) grid: Option<Grid>,
-    /// In 8 or 16 bits, as the attribute needs.
+    /// Numbers in 8 or 16 bits, as the attribute needs.
     pub(super) rounded: bool,
 }
 
@@ -65,7 +65,7 @@ pub(super) enum Attribute {
 }
 
 impl Attribute {
-    /// Those of a mesh, in the order in which they are written.
+    /// The attributes of a mesh, in the order in which they are written.
     pub(super) fn all(mesh: &Mesh, encoding: WindEncoding) -> impl Iterator<Item = Self> {
         let own = [Self::Position, Self::Normal, Self::Tangent, Self::Uv, Self::Color];
         let wind = wind::columns(mesh, encoding).into_iter();
@@ -83,7 +83,7 @@ impl Attribute {
         }
     }
 
-    /// Whether a mesh has it of its own.
+    /// `true` if the mesh has this attribute.
     pub(super) fn is_of(self, mesh: &Mesh) -> bool {
         match self {
             Self::Position | Self::Normal => true,
@@ -103,7 +103,7 @@ pub(super) struct Grid {
 }
 
 impl Grid {
-    /// Over a box; none if its sides are beyond all measure.
+    /// The grid over a box; none if its sides are not finite.
     pub(super) fn over(low: Vec3, high: Vec3) -> Option<Self> {
         // A point has a step, too, by which can be divided.
         let step = ((high - low).max_element() / 65_535.0).max(1e-30);
@@ -129,7 +129,7 @@ pub(super) struct Format {
     pub(super) normalized: bool,
     /// Bytes from an element to the next.
     pub(super) stride: u64,
-    /// Whether the last of these are of no meaning.
+    /// `true` if the last of these bytes are padding.
     pub(super) padded: bool,
 }
 

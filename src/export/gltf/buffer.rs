@@ -10,7 +10,8 @@ use glam::Vec3;
 /// The highest index of two bytes is 65,534: the next one means a new strip.
 const SHORT: usize = 65_535;
 
-/// Merged copies are drawn in so many pieces at most, so that few pieces have long indices.
+/// Greatest number of pieces in which merged copies are drawn. If 16-bit indices would need more pieces,
+/// indices have 32 bits.
 const MOST_PIECES: usize = 256;
 
 /// The arrays and their accessors.
@@ -141,7 +142,7 @@ impl<'a> Buffer<'a> {
         &self.arrays
     }
 
-    /// With zeros between the arrays, so that each begins at a whole word.
+    /// Size with the zeros between the arrays, so that each begins at a whole word.
     pub(super) fn bytes(&self) -> u64 {
         self.arrays.iter().map(|array| array.bytes().next_multiple_of(4)).sum()
     }
@@ -178,7 +179,7 @@ impl<'a> Buffer<'a> {
     }
 }
 
-/// Whether 8 bits a channel say all of a colour.
+/// `true` if 8 bits per channel hold a colour exactly.
 fn in_bytes(color: &[f32; 3]) -> bool {
     color.iter().all(|channel| {
         let steps = (channel.clamp(0.0, 1.0) * 255.0).round();

@@ -36,7 +36,8 @@ struct Known<'a> {
     geometries: BTreeMap<(usize, Option<usize>), usize>,
     /// Meshes of the file by geometry and material.
     entries: BTreeMap<(usize, usize), usize>,
-    /// The accessors of instances: translation, rotation, scale, tint. By mesh, since its grid is in them.
+    /// The accessors of instances: translation, rotation, scale, tint. They differ by mesh, since its grid is
+    /// in them.
     instances: BTreeMap<(usize, usize), Vec<(&'static str, usize)>>,
 }
 
@@ -64,7 +65,7 @@ impl<'a> Document<'a> {
         }
     }
 
-    /// Of a tree in at least one level, each with triangles.
+    /// The document of a tree in at least one level, each with triangles.
     pub(super) fn of_levels(
         levels: &[impl AsRef<[Part<'a>]>],
         options: &GlbOptions,
@@ -100,7 +101,8 @@ impl<'a> Document<'a> {
         Ok(document.finished())
     }
 
-    /// Of a tree that a breeze moves: its skinned meshes side by side with its bones, and what stands still.
+    /// The document of a tree that a breeze moves: its skinned meshes side by side with its bones, and the
+    /// parts that stand still.
     pub(super) fn of_breeze<'b: 'a>(
         parts: &[Part<'b>],
         skins: &'a Skins<'a>,
@@ -147,7 +149,7 @@ impl<'a> Document<'a> {
         Ok(document.finished())
     }
 
-    /// Of a scene in which something has triangles.
+    /// The document of a scene in which something has triangles.
     pub(super) fn of_scene(scene: &Scene<'a>, options: &GlbOptions) -> Result<Self, ExportError> {
         let mut document = Self::new(options);
         let root = document.node();

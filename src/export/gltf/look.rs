@@ -32,7 +32,7 @@ struct Look<'a> {
     normal: Option<usize>,
     surface: Option<usize>,
     transmission: Option<usize>,
-    /// Below which alpha nothing is drawn.
+    /// Alpha below which nothing is drawn.
     cutoff: Option<f32>,
 }
 
@@ -88,7 +88,7 @@ impl<'a> Looks<'a> {
         index
     }
 
-    /// Whether light from behind is spoken of.
+    /// `true` if a material lets light through from behind.
     pub(super) fn transmits(&self) -> bool {
         self.all.iter().any(|look| look.transmission.is_some())
     }

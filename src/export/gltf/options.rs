@@ -1,4 +1,4 @@
-//! What may be chosen of a glTF file.
+//! The options of a glTF file.
 
 use super::{Breeze, WindEncoding};
 use crate::ParameterError;
@@ -14,21 +14,24 @@ use glam::Vec3;
 )]
 #[non_exhaustive]
 pub enum Instancing {
-    /// One mesh of all copies, multiplied out on their way into the file: core glTF, whole in every reader. A copy takes all
-    /// bytes of its vertices; indices are shared by many copies. Tints are vertex colours (`COLOR_0`, 8 bits a channel).
+    /// One mesh of all copies, multiplied out on their way into the file: core glTF, whole in every reader. A
+    /// copy takes all bytes of its vertices; indices are shared by many copies. Tints are vertex colours
+    /// (`COLOR_0`, 8 bits per channel).
     #[default]
     Merged,
-    /// `EXT_mesh_gpu_instancing`: 40 bytes an instance, drawn at once; tints are `_COLOR_0`, 12 bytes more. Blender and
-    /// three.js read it (`scripts/check_exports`), and others; a program that does not shows one leaf at the trunk base.
+    /// `EXT_mesh_gpu_instancing`: 40 bytes per instance, drawn at once; tints are `_COLOR_0`, 12 bytes more.
+    /// Blender and three.js read it (`scripts/check_exports`), and others; a program that does not shows one
+    /// leaf at the trunk base.
     Extension,
-    /// A node an instance, which every program reads: about 200 bytes each, and as many objects in the program. Each tint is a
-    /// material of its own, rounded to 32 steps a channel, so that there are not too many.
+    /// A node an instance, which every program reads: about 200 bytes each, and as many objects in the
+    /// program. Each tint is a material of its own, rounded to 32 steps per channel, so that there are not
+    /// too many.
     Nodes,
 }
 
 /// Form of the levels of [`write_glb_levels`](super::write_glb_levels) in a glTF file.
 ///
-/// For a file each, write each level by [`write_glb_parts`](super::write_glb_parts).
+/// To get one file per level, write each level by [`write_glb_parts`](super::write_glb_parts).
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 #[cfg_attr(
     feature = "serde",
@@ -46,7 +49,7 @@ pub enum LevelNodes {
     Named,
 }
 
-/// Contents of a glTF file besides the triangles.
+/// Contents of a glTF file in addition to the triangles.
 ///
 /// glTF fixes the axes and the unit (+Y up, metres), so there is no choice of these; other formats have
 /// [`Axes`](crate::export::Axes).
@@ -66,17 +69,17 @@ pub struct GlbOptions {
 }
 
 impl GlbOptions {
-    /// What [`with_name`](Self::with_name) sets.
+    /// The name set by [`with_name`](Self::with_name).
     pub fn name(&self) -> &str {
         &self.name
     }
 
-    /// What [`with_coverages`](Self::with_coverages) sets.
+    /// The coverages set by [`with_coverages`](Self::with_coverages).
     pub fn coverages(&self) -> &[f32] {
         &self.coverages
     }
 
-    /// What [`with_breeze`](Self::with_breeze) sets.
+    /// The breeze set by [`with_breeze`](Self::with_breeze).
     pub fn breeze(&self) -> Option<&Breeze> {
         self.breeze.as_ref()
     }
@@ -134,17 +137,18 @@ impl GlbOptions {
         self
     }
 
-    /// For each level of [`write_glb_levels`](super::write_glb_levels) the part of the screen's height down to which it is
-    /// shown, 0 to 1, falling: `MSFT_screencoverage`. Default none: the program decides. Scenes have no levels: they ignore this.
+    /// Part of the screen's height down to which each level of [`write_glb_levels`](super::write_glb_levels)
+    /// is shown, 0 to 1, falling: `MSFT_screencoverage`. Default none: the program decides. Scenes have no
+    /// levels: they ignore this.
     pub fn with_coverages(mut self, coverages: impl Into<Vec<f32>>) -> Self {
         self.coverages = coverages.into();
         self
     }
 
-    /// Whether numbers are rounded, so that a file has about half the bytes or less (`KHR_mesh_quantization`): positions to
-    /// 1/65,535 of the mesh's longest side, normals, tangents and colours to 8 bits, texture coordinates to 16 bits where all
-    /// lie in 0 to 1. Default false, for the extension is **required** then: readers without it reject the file. three.js,
-    /// Blender, Godot, Babylon.js and glTFast know it.
+    /// Rounds numbers, so that a file has about half the bytes or less (`KHR_mesh_quantization`): positions
+    /// to 1/65,535 of the mesh's longest side, normals, tangents and colours to 8 bits, texture coordinates
+    /// to 16 bits where all lie in 0 to 1. Default false, for the extension is **required** then: readers
+    /// without it reject the file. three.js, Blender, Godot, Babylon.js and glTFast know it.
     ///
     /// Each mesh's node scales it back. Moments and flutter of the wind are in the same numbers as the positions.
     pub fn with_quantization(mut self, quantization: bool) -> Self {

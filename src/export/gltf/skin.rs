@@ -11,9 +11,11 @@ const KEYS: usize = 81;
 
 /// A breeze as an animation: a skeleton of few bones that sways for 8 seconds and begins again without a seam.
 ///
-/// Meshes with [`Wind`] move: tubes, closed meshes, and leaves through [`Leaves::mesh_in_wind`](crate::foliage::Leaves::mesh_in_wind).
-/// Instances, and parts with a [transform](Part::with_transform), stand still, since glTF cannot bend them. Small branches go with the bone of their parent branch, and every branch base
-/// has the weights of the place on its parent branch, so that both move together. 24 bytes a vertex and 1.3 KB a bone.
+/// Meshes with [`Wind`] move: tubes, closed meshes, and leaves through
+/// [`Leaves::mesh_in_wind`](crate::foliage::Leaves::mesh_in_wind). Instances, and parts with a
+/// [transform](Part::with_transform), stand still, since glTF cannot bend them. Small branches go with the
+/// bone of their parent branch, and every branch base has the weights of the place on its parent branch, so
+/// that both move together. 24 bytes per vertex and 1.3 KB per bone.
 ///
 /// ```
 /// use treesynth::export::{self, Breeze, GlbOptions};
@@ -67,13 +69,15 @@ impl Breeze {
         Ok(Self { skeleton: skeleton.clone(), sway, gust: Vec3::X * 0.4, bones: 64 })
     }
 
-    /// Where the wind blows to, as long as it is strong: at most 1, the strongest [gust](Wind::blown). Default 0.4 along +X.
+    /// Direction in which the wind blows; its length is the strength, at most 1 for the strongest
+    /// [gust](Wind::blown). Default 0.4 along +X.
     pub fn with_gust(mut self, gust: Vec3) -> Self {
         self.gust = gust;
         self
     }
 
-    /// The most bones, 2 to 1024; default 64: the trunk has up to five, the largest limbs and twigs one each.
+    /// Greatest number of bones, 2 to 1024; default 64: the trunk has up to five, the largest limbs and twigs
+    /// one each.
     pub fn with_bones(mut self, most: usize) -> Self {
         self.bones = most;
         self
@@ -98,7 +102,7 @@ pub(super) struct Skins<'a> {
     meshes: Vec<Skinned<'a>>,
     pub(super) inverses: Vec<[f32; 16]>,
     pub(super) times: Vec<f32>,
-    /// For each bone but the first, which stands still.
+    /// Rotations of each bone but the first, which stands still.
     pub(super) turns: Vec<Vec<Vec4>>,
 }
 
@@ -134,7 +138,7 @@ impl<'a> Skins<'a> {
         Ok(Self { rig, meshes, inverses, times, turns })
     }
 
-    /// The attributes of a mesh besides its own; none if it stands still.
+    /// The attributes of a mesh in addition to its own; none if it stands still.
     pub(super) fn attributes(&self, mesh: &Mesh) -> Option<[(&'static str, Array<'_>); 2]> {
         let (_, bones, weights) = self.meshes.iter().find(|other| std::ptr::eq(other.0, mesh))?;
         Some([("JOINTS_0", Array::Bones(bones)), ("WEIGHTS_0", Array::Weights(weights))])
@@ -192,7 +196,7 @@ impl Animation {
     }
 }
 
-/// Whether a part can move: it stands in one place, which is its own, and has wind.
+/// `true` if a part can move: it stands in one place, which is its own, and has wind.
 pub(super) fn moves(part: &Part<'_>) -> bool {
     part.instances().is_none() && part.transform() == Transform::IDENTITY && !part.mesh().wind.is_empty()
 }

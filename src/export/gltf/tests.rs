@@ -1,4 +1,4 @@
-//! What is written is what was given.
+//! The file written has what was given to the writer.
 
 use super::*;
 use crate::surface::{Instance, Material, MeshError, Transform, Tubes};
@@ -266,7 +266,7 @@ fn shown(glb: &[u8]) -> Vec<(Vec3, Option<[f32; 3]>)> {
     found
 }
 
-/// Bark, and so many leaves in two tints.
+/// `count` leaves in two tints.
 fn crown(leaf: &Mesh, count: usize) -> Vec<Instance> {
     let place = |i: usize| Instance {
         position: Vec3::new(math::sin(i as f32), i as f32 / 3.0, math::cos(i as f32)),

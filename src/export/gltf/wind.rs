@@ -12,16 +12,16 @@ use glam::Vec3;
 )]
 #[non_exhaustive]
 pub enum WindEncoding {
-    /// Attributes of our own, 64 bytes a vertex: `_WIND_TRUNK`, `_WIND_LIMB` and `_WIND_TWIG` (VEC3, the moments),
-    /// `_WIND_LIMB_AXIS` and `_WIND_TWIG_AXIS` (VEC3) and `_WIND_FLUTTER` (SCALAR, metres). three.js has them under
-    /// their names in lower case.
+    /// Attributes of our own, 64 bytes per vertex: `_WIND_TRUNK`, `_WIND_LIMB` and `_WIND_TWIG` (VEC3, the
+    /// moments), `_WIND_LIMB_AXIS` and `_WIND_TWIG_AXIS` (VEC3) and `_WIND_FLUTTER` (SCALAR, metres).
+    /// three.js has them under their names in lower case.
     #[default]
     Attributes,
-    /// `TEXCOORD_1` to `TEXCOORD_7`, 56 bytes a vertex, which engines read that drop unknown attributes. In this order: trunk
-    /// x and y; trunk z and flutter; limb x and y; limb z and twig z; twig x and y; limb axis; twig axis. An axis is two
-    /// numbers by the octahedral map (Cigolle et al. 2014), -1 to 1.
+    /// `TEXCOORD_1` to `TEXCOORD_7`, 56 bytes per vertex, which engines read that drop unknown attributes. In
+    /// this order: trunk x and y; trunk z and flutter; limb x and y; limb z and twig z; twig x and y; limb
+    /// axis; twig axis. An axis is two numbers by the octahedral map (Cigolle et al. 2014), -1 to 1.
     TexCoords,
-    /// Not at all.
+    /// No wind in the file.
     None,
 }
 
@@ -31,12 +31,12 @@ pub(super) enum Column {
     Moment(usize),
     Axis(usize),
     Flutter,
-    /// One of the pairs above; the one of number 0 is nothing.
+    /// One of the pairs above; pair 0 is zero.
     Pair(usize),
 }
 
 impl Column {
-    /// Numbers a vertex.
+    /// Numbers per vertex.
     pub(super) fn words(self) -> usize {
         match self {
             Self::Moment(_) | Self::Axis(_) => 3,
@@ -45,7 +45,7 @@ impl Column {
         }
     }
 
-    /// These numbers; the first so many count.
+    /// The numbers of this column; only the first [`words`](Self::words) of them count.
     pub(super) fn of(self, wind: &Wind) -> [f32; 3] {
         let [trunk, limb, twig] = wind.moments;
         let pair = |[x, y]: [f32; 2]| [x, y, 0.0];

@@ -93,14 +93,14 @@ struct Entry {
     name: String,
     length: u32,
     crc: u32,
-    /// Of its header.
+    /// Start of its header.
     start: u32,
     /// Bytes of zero before its content.
     padding: u16,
 }
 
 impl Archive {
-    /// Of files with these names and sums, at least one.
+    /// An archive of files with these names and sums, at least one.
     pub(super) fn new(files: Vec<(String, Sum)>) -> Result<Self, ExportError> {
         let limit = u64::from(u32::MAX);
         let held = |bytes: u64| u32::try_from(bytes).map_err(|_| ExportError::TooLarge { bytes, limit });

@@ -8,10 +8,10 @@ use std::io::{self, Write};
 /// Look of a part; parts with the same look share a material.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Look {
-    /// Of the part.
+    /// Name of the part.
     pub(super) name: String,
     material: Material,
-    /// Whether vertices or copies have colours.
+    /// `true` if vertices or copies have colours.
     pub(super) colored: bool,
     color: Option<String>,
     normal: Option<String>,
@@ -20,7 +20,7 @@ pub(super) struct Look {
 }
 
 impl Look {
-    /// Of a part, which is that of the number for `uses`.
+    /// The material of a part, which is number `index` in `uses`.
     pub(super) fn of(part: &Part<'_>, index: usize, uses: &Uses<'_>) -> Self {
         let file = |map| uses.name(index, map).map(str::to_owned);
         let tinted = part.copies().iter().any(Instance::is_tinted);

@@ -52,7 +52,7 @@ pub(super) fn operations(writer: &mut impl Write, transform: Transform, axes: Ax
     )
 }
 
-/// In the file's axes, the real part first.
+/// A quaternion in the file's axes, the real part first.
 fn quaternion(rotation: glam::Quat, axes: Axes) -> [f32; 4] {
     let [x, y, z] = axes.turned(Vec3::new(rotation.x, rotation.y, rotation.z)).to_array();
     [rotation.w, x, y, z]

@@ -17,9 +17,9 @@ pub(super) struct Layer<'s, 'a> {
     stage: &'s UsdStage<'a>,
     uses: &'s Uses<'a>,
     root: String,
-    /// Without the origin, which the root's place is for.
+    /// Axes without the origin, which is in the root's transform.
     axes: Axes,
-    /// For a scene, the trees that differ, and which of them each asset is.
+    /// For a scene, the trees that differ, and the number of the tree of each asset.
     kinds: Vec<Tree<'a>>,
     assets: Vec<usize>,
 }

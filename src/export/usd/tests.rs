@@ -1,4 +1,5 @@
-//! What stands in the text, and where files lie in archives. `scripts/check_exports` has USD's own library read them.
+//! Content of the text, and positions of files in archives. `scripts/check_exports` has USD's own library
+//! read them.
 
 use super::archive::{Archive, Sum};
 use super::*;

@@ -23,8 +23,9 @@ const LARGEST: f32 = 1e18;
 /// [`with_zero_outside`](Self::with_zero_outside); zero pulls nowhere, and
 /// [`FollowField`](crate::guided::FollowField) then keeps the direction of the node before.
 ///
-/// Unlike the other fields it is checked where it is made, and [`check`](VectorField::check) has nothing left to say.
-/// [`read_vtk`](Self::read_vtk) reads files, [`write_vtk`](Self::write_vtk) writes them. Cloning shares the samples. Memory: 12 bytes a sample; [`at`](VectorField::at) takes O(1).
+/// Unlike the other fields it is checked where it is made, and [`check`](VectorField::check) has nothing left
+/// to say. [`read_vtk`](Self::read_vtk) reads files, [`write_vtk`](Self::write_vtk) writes them. Cloning
+/// shares the samples. Memory: 12 bytes per sample; [`at`](VectorField::at) takes O(1).
 ///
 /// ```
 /// use treesynth::{VectorField, field::GridField, glam::Vec3};
@@ -53,7 +54,7 @@ pub enum GridFieldError {
     /// Origin, spacing or dimensions out of range.
     #[error(transparent)]
     Parameter(#[from] ParameterError),
-    /// Not as many samples as the dimensions say.
+    /// The number of samples is not that of the dimensions.
     #[error("the grid has {expected} samples, but {count} are given")]
     Count {
         /// The product of the dimensions.

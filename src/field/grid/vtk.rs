@@ -29,9 +29,10 @@ impl GridField {
     /// u v w ...
     /// ```
     ///
-    /// `BINARY` in place of `ASCII` means big-endian numbers; `double` in place of `float` has 64 bits each. The lines
-    /// from `DIMENSIONS` to `SPACING` may come in any order, empty lines are skipped, and what follows the vectors is not read. Distances are metres, and +Y
-    /// is up: simulations with +Z up must be turned before. Of vectors in `double` the nearest 32-bit ones are kept.
+    /// `BINARY` in place of `ASCII` means big-endian numbers; `double` in place of `float` has 64 bits each.
+    /// The lines from `DIMENSIONS` to `SPACING` may come in any order, empty lines are skipped, and what
+    /// follows the vectors is not read. Distances are metres, and +Y is up: simulations with +Z up must be
+    /// turned before. Vectors in `double` are rounded to the nearest 32-bit ones.
     ///
     /// Memory grows with what is read, not with what the header promises.
     ///
@@ -226,7 +227,7 @@ impl<R: BufRead> Reader<R> {
         Ok(samples)
     }
 
-    /// Vectors of three numbers, each from so many bytes.
+    /// Vectors of three numbers, each of `SIZE` bytes.
     fn binary<const SIZE: usize>(
         &mut self,
         count: usize,

@@ -16,7 +16,8 @@ const MOST_CELLS: f32 = 2_000_000.0;
 /// Cells along an axis.
 const MOST_ALONG: f32 = 400.0;
 
-/// Triangles reach into so many cells each at most, and this more in all; else there are fewer cells.
+/// Greatest mean number of cells that a triangle reaches into, and an allowance on top for all triangles
+/// together; if they are exceeded, the lattice is made of fewer cells.
 const REACH: usize = 64;
 const REACH_MORE: usize = 1 << 20;
 
@@ -38,7 +39,7 @@ pub(super) struct Cells {
 }
 
 impl Cells {
-    /// Of triangles without a border, all within `bounds`. O(n) for triangles of like size.
+    /// The cells of triangles without a border, all within `bounds`. O(n) for triangles of like size.
     pub(super) fn new(triangles: &[[Vec3; 3]], bounds: Bounds) -> Self {
         let mut wanted = (triangles.len() as f32 * CELLS_EACH).clamp(8.0, MOST_CELLS);
         loop {
@@ -184,8 +185,8 @@ impl Cells {
 
 /// Change of the winding number at a triangle on the way between two points that differ along one axis alone.
 ///
-/// Of triangles that share a side exactly one is crossed where the way meets the side, since both ask the same of it; and of
-/// two ways that meet in a point exactly one crosses a triangle there.
+/// If the way meets a side that triangles share, it crosses exactly one of them, since both apply the same
+/// test to the side; and of two ways that meet in a point, exactly one crosses a triangle there.
 fn change(corners: &[Vec3; 3], axis: usize, from: DVec3, to: DVec3) -> i32 {
     let (u, v) = ((axis + 1) % 3, (axis + 2) % 3);
     let (at_u, at_v) = (from[u], from[v]);
@@ -220,7 +221,7 @@ struct Polygon {
     count: usize,
 }
 
-/// Of a cell's side: by so much a piece may stick out, for rounding.
+/// Overhang that a piece may have through rounding, as a share of a cell's side.
 const LEEWAY: f64 = 1e-6;
 
 impl Polygon {

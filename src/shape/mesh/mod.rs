@@ -35,9 +35,9 @@ use crate::ParameterError;
 /// says what there was. A wall between two solids that share a face is no flaw. Refused is a surface that leaves in doubt
 /// what is inside of it.
 ///
-/// Memory: about 120 bytes a triangle, up to 350 if they are long and thin. [`contains`](Shape::contains) takes O(1) in a
-/// closed surface of triangles that are about as large everywhere, however thin they are, and O(log n) in one with holes, if
-/// its triangles are not thin.
+/// Memory: about 120 bytes per triangle, up to 350 if they are long and thin. [`contains`](Shape::contains)
+/// takes O(1) in a closed surface of triangles that are about as large everywhere, however thin they are, and
+/// O(log n) in one with holes, if its triangles are not thin.
 ///
 /// ```
 /// use treesynth::{Shape, glam::Vec3, shape::TriangleMesh};
@@ -60,7 +60,7 @@ pub struct TriangleMesh {
 #[derive(Debug, PartialEq)]
 struct Solid {
     winding: Winding,
-    /// For a closed surface.
+    /// Cells of a closed surface.
     cells: Option<Cells>,
     bounds: Bounds,
     volume: f32,
@@ -89,7 +89,7 @@ pub struct Flaws {
 }
 
 impl Flaws {
-    /// Whether there are none.
+    /// `true` if there are no flaws.
     pub fn is_none(&self) -> bool {
         *self == Self::default()
     }
@@ -150,13 +150,13 @@ pub enum TriangleMeshError {
         /// The number of triangles.
         count: usize,
     },
-    /// Nothing is inside.
+    /// The surface encloses nothing.
     #[error("the surface encloses nothing: it is flat, or open with {open_sides} open sides")]
     Nothing {
         /// Sides of triangles with no other triangle at them.
         open_sides: usize,
     },
-    /// Inside and outside cannot be told apart.
+    /// Inside and outside cannot be distinguished.
     #[error(
         "the surface has {open_sides} open sides, and its winding number leaves {doubt:.1} times the volume that it encloses in doubt; at most 1 is allowed"
     )]
@@ -178,12 +178,13 @@ pub enum TriangleMeshError {
 /// The most triangles.
 const MOST: usize = 500_000_000;
 
-/// The volume of a surface with holes is found on a lattice of so many cells an axis.
+/// Cells per axis of the lattice on which the volume of a surface with holes is found.
 const CELLS: u16 = 16;
 
 impl TriangleMesh {
-    /// What the `triangles` enclose, each three of the `positions` (metres, at most 1e6 from 0 on every axis);
-    /// counter-clockwise seen from outside, or turned where they are not. O(n log n).
+    /// The body that the `triangles` enclose, each of three of the `positions` (metres, at most 1e6 from 0 on
+    /// every axis). Corners are counter-clockwise seen from outside; triangles where they are not are turned.
+    /// O(n log n).
     ///
     /// # Errors
     /// Positions out of range, indices without a vertex, nothing enclosed, and a surface with holes so large that
@@ -245,8 +246,8 @@ impl TriangleMesh {
         check_fit("TriangleMesh", base, height)?;
         let bounds = self.solid.bounds;
         let scale = height / bounds.size().y;
-        let foot = bounds.center().with_y(bounds.min.y);
-        let place = |&corner: &Vec3| (corner - foot) * scale + Vec3::Y * base;
+        let bottom = bounds.center().with_y(bounds.min.y);
+        let place = |&corner: &Vec3| (corner - bottom) * scale + Vec3::Y * base;
         let positions: Vec<Vec3> = self.triangles().iter().flatten().map(place).collect();
         let triangles: Vec<[u32; 3]> =
             (0..self.triangles().len() as u32).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]).collect();
@@ -289,7 +290,7 @@ struct Survey {
     points: u32,
     inside: u32,
     doubtful: u32,
-    /// Whether the surface somewhere winds twice, or backwards.
+    /// `true` if the surface somewhere winds twice, or backwards.
     overlaps: bool,
 }
 

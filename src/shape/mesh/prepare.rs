@@ -7,7 +7,7 @@ use super::winding::{Winding, area_vector};
 use super::{Flaws, TriangleMeshError};
 use crate::shape::LARGEST;
 
-/// Triangles that look outward, and what had to be done for it.
+/// Triangles that face outward, and the flaws that were found.
 pub(super) struct Prepared {
     pub(super) triangles: Vec<[Vec3; 3]>,
     pub(super) flaws: Flaws,
@@ -20,7 +20,7 @@ pub(super) struct Prepared {
 pub(super) struct Side {
     pub(super) ends: [u32; 2],
     pub(super) triangle: u32,
-    /// Whether the triangle goes from the lower end to the higher.
+    /// `true` if the triangle goes from the end of lower number to that of higher.
     ascends: bool,
 }
 
@@ -104,7 +104,7 @@ pub(super) fn open_sides(triangles: &[[u32; 3]]) -> usize {
     sides(triangles).chunk_by(|a, b| a.ends == b.ends).map(unbalanced).sum()
 }
 
-/// Of the sides between two ends: by how much more run one way than the other.
+/// Number of sides between two ends that run one way less those that run the other way.
 fn unbalanced(same: &[Side]) -> usize {
     (2 * same.iter().filter(|side| side.ascends).count()).abs_diff(same.len())
 }
@@ -117,7 +117,7 @@ pub(super) struct Patches {
 }
 
 impl Patches {
-    /// Whether each patch has sides at which it is not closed by itself.
+    /// For each patch, `true` if it has sides at which it is not closed by itself.
     pub(super) fn open(&self, triangles: &[[u32; 3]]) -> Vec<bool> {
         let mut open = vec![false; self.count];
         let mut sides = sides(triangles);
@@ -180,7 +180,7 @@ fn orient(triangles: &mut [[u32; 3]], place: impl Fn(u32) -> Vec3) -> Patches {
     patches
 }
 
-/// Of a tetrahedron on a triangle, with its tip at `tip`.
+/// Signed volume of the tetrahedron on a triangle, with its tip at `tip`.
 fn signed_volume(triangle: [Vec3; 3], tip: Vec3) -> f64 {
     let [a, b, c]: [DVec3; 3] = triangle.map(|corner| (corner - tip).as_dvec3());
     a.dot(b.cross(c)) / 6.0

@@ -6,12 +6,12 @@ use super::prepare::{Patches, open_sides, sides};
 use super::winding::Winding;
 use super::{Bounds, Flaws};
 
-/// Of triangles with the same corners leaves one, or none where they are a wall.
+/// Keeps one of the triangles with the same corners, or none if they are a wall.
 ///
-/// An odd number of them count as one. An even number are either one sheet with two sides, as programs for foliage write
-/// it, or the wall between two solids that share a face, or a face that was written twice. They are judged together with
-/// those they hang together with: one of each stays if the surface has more borders without them than with them, and goes if
-/// it has fewer. Which way they look does not matter.
+/// An odd number of them count as one. An even number are either one sheet with two sides, as programs for
+/// foliage write it, or the wall between two solids that share a face, or a face that was written twice. They
+/// are judged together with those they hang together with: one of each stays if the surface has more borders
+/// without them than with them, and goes if it has fewer. The side to which they face does not matter.
 pub(super) fn single(triangles: &mut Vec<[u32; 3]>, flaws: &mut Flaws) {
     let key = |corners: &[u32; 3]| {
         let mut key = *corners;
@@ -39,7 +39,7 @@ pub(super) fn single(triangles: &mut Vec<[u32; 3]>, flaws: &mut Flaws) {
             doubled.for_each(|other| groups.join(first, other));
         }
     }
-    // How many more borders there are with a group than without it; whether it touches anything else.
+    // Number of borders with a group less that without it; and `true` if it touches anything else.
     let mut borders = vec![0_i64; kept.len()];
     let mut touches = vec![false; kept.len()];
     for same in sides.chunk_by(|a, b| a.ends == b.ends) {

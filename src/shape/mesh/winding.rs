@@ -12,14 +12,14 @@ use crate::math::atan2;
 /// Triangles of a leaf, at most.
 const LEAF: usize = 8;
 
-/// A node farther away than so many of its radii counts as one small surface. Summed over all such nodes the error is up
-/// to 0.023 in the Stanford bunny; what matters is that it is far below a half.
+/// A node farther away than this many of its radii counts as one small surface. Summed over all such nodes
+/// the error is up to 0.023 in the Stanford bunny; what matters is that it is far below a half.
 const FAR: f32 = 3.0;
 
 /// Triangles in a hierarchy of balls.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Winding {
-    /// In the order of the leaves.
+    /// Triangles in the order of the leaves.
     triangles: Vec<[Vec3; 3]>,
     /// A node, its first half, its second half; the root first.
     nodes: Vec<Node>,
@@ -92,7 +92,7 @@ impl Winding {
 #[derive(Clone, Copy)]
 struct Sums {
     pole: Vec3,
-    /// Of centroids, by area.
+    /// Mean of the centroids, weighted by area.
     middle: Vec3,
     area: f32,
 }
@@ -159,7 +159,7 @@ fn centroid(triangle: &[Vec3; 3]) -> Vec3 {
     (triangle[0] + triangle[1] + triangle[2]) / 3.0
 }
 
-/// Along the normal, as long as the triangle is large.
+/// Vector along the normal whose length is the triangle's area.
 pub(super) fn area_vector(triangle: &[Vec3; 3]) -> Vec3 {
     let [a, b, c] = triangle;
     (b - a).cross(c - a) * 0.5

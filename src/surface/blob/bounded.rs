@@ -49,12 +49,12 @@ impl Bounded {
         if self.inside.least_parts() > self.outside.least_parts() { self.inside } else { self.outside }
     }
 
-    /// Whether parts of value 0 make no difference, to the bit.
+    /// `true` if parts of value 0 make no difference, to the bit.
     pub(super) fn ignores_nothing(&self) -> bool {
         self.inside.ignores_nothing() && self.outside.ignores_nothing()
     }
 
-    /// Whether it makes creases.
+    /// `true` if it makes creases.
     pub(super) fn has_contact(&self) -> bool {
         self.inside.is_contact() || self.outside.is_contact()
     }
@@ -79,7 +79,7 @@ impl Bounded {
         if field.value() < 1.0 {
             return mixed;
         }
-        // What is added has the value 0 and the slope of the bounding field, if it has one here.
+        // The part added has the value 0 and the slope of the bounding field, if it has one here.
         let slope = difference.chain(difference.value(), 0.0).times(field);
         inside.plus(slope.chain(0.0, 1.0))
     }

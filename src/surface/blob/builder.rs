@@ -76,7 +76,7 @@ pub struct BlobTreeBuilder {
 }
 
 impl Default for BlobTreeBuilder {
-    /// Without nodes.
+    /// A builder without nodes.
     fn default() -> Self {
         let id = BUILDERS.fetch_add(1, Ordering::Relaxed);
         let (leaves, entries, parts) = (Vec::new(), Vec::new(), Vec::new());
@@ -168,7 +168,8 @@ impl BlobTreeBuilder {
         self.combine(Operator::Contact(contact), parts)
     }
 
-    /// Any operator on parts. Of those whose order is no matter, more than four are grouped by where they are.
+    /// Any operator on parts. If their order does not matter and there are more than four, they are grouped
+    /// by position.
     ///
     /// # Errors
     /// An operator's parameter out of its range; too few parts: none, or one where two are needed; a node of another
@@ -215,22 +216,22 @@ impl BlobTreeBuilder {
         self.push(Draft::Bounded { style, parts }, bounds, most[0].max(most[1]))
     }
 
-    /// A lateral on the branch that bears it: their axes blend within the field as the style says, if there is one, and as by
-    /// the style's outer operator around it; all else that stands on both meets as by a union. Nothing but this and
-    /// [`finish`](Self::finish) may take what it gives.
+    /// A lateral on its parent branch: their axes blend within the field as the style says, if there is one,
+    /// and as by the style's outer operator around it; all else that stands on both meets as by a union. Only
+    /// this and [`finish`](Self::finish) may take the node that it returns.
     ///
     /// # Errors
     /// As of [`bounded`](Self::bounded), of parameters in range.
     pub(super) fn fork(
         &mut self,
-        [bearer, lateral]: [Node; 2],
+        [parent, lateral]: [Node; 2],
         style: Bounded,
         field: Option<Node>,
     ) -> Result<Node, BlobError> {
-        let mut parts = self.take(style.needy(), [bearer, lateral])?;
+        let mut parts = self.take(style.needy(), [parent, lateral])?;
         let values =
             |part: u32| if let Draft::Fork { .. } = self.entries[part as usize].draft { 2 } else { 1 };
-        let (bearer, lateral, is_bounded) = (values(parts[0]), values(parts[1]), field.is_some());
+        let (parent, lateral, is_bounded) = (values(parts[0]), values(parts[1]), field.is_some());
         let most = [style.inside, style.outside].map(|operator| self.most(operator, &parts));
         let bounds = style.bounds(&self.boxes(&parts));
         if let Some(field) = field {
@@ -238,7 +239,7 @@ impl BlobTreeBuilder {
         }
         let style = remember(&mut self.styles, style);
         let parts = self.list(&parts);
-        let fork = Fork { style, bearer, lateral, is_bounded };
+        let fork = Fork { style, parent, lateral, is_bounded };
         self.push(Draft::Fork { fork, parts }, bounds, most[0].max(most[1]))
     }
 
@@ -266,7 +267,7 @@ impl BlobTreeBuilder {
         self.finish_watched(root, &Watch::silent())
     }
 
-    /// The same, a step a part.
+    /// As [`finish`](Self::finish), with one step per part.
     pub(super) fn finish_watched(mut self, root: Node, watch: &Watch<'_>) -> Result<BlobTree, BlobError> {
         let root = self.take(Operator::Union, [root])?[0];
         let Entry { bounds, most, .. } = self.entries[root as usize];

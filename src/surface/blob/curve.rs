@@ -42,7 +42,8 @@ impl Curve {
         Self { points, radii, tangents: [None; 2], turn: 0.15, field, strength, color: BARK }
     }
 
-    /// The directions at both ends, where they are not to be found from the points: of any length above zero.
+    /// The directions at both ends, vectors of any length above zero, in place of those that follow from the
+    /// points.
     pub fn with_tangents(mut self, start: Option<Vec3>, end: Option<Vec3>) -> Self {
         self.tangents = [start, end];
         self
@@ -113,7 +114,7 @@ impl Curve {
                 [i.saturating_sub(1), (i + 1).min(rises.len() - 1)].map(|k| between(rises[k], rises[i]));
             let bend = math::angle_between(leaving, way) + math::angle_between(way, arriving);
             let turn = bend + (rise[0] - rises[i]).abs() + (rise[1] - rises[i]).abs();
-            // Not a number where points are none.
+            // NaN if there are points that are not finite.
             let parts = ((turn / self.turn).ceil().min(MOST_PARTS) as u32).max(1);
             let length = way.length();
             let slopes = [leaving.normalize_or_zero() * length, arriving.normalize_or_zero() * length];

@@ -25,7 +25,7 @@ pub enum BlobError {
         parts: usize,
     },
     /// A node of another builder.
-    #[error("node {node} is none of this builder's")]
+    #[error("node {node} belongs to another builder")]
     Stranger {
         /// Its number.
         node: u32,
@@ -38,14 +38,14 @@ pub enum BlobError {
     },
     /// An affine map without a usable inverse.
     #[error(
-        "a warp must be finite and stretch no way 100,000 times as much as another, alone and together with those around \
-         it, but this is {map}"
+        "a warp must be finite and stretch no direction 100,000 times as much as another, alone and together with the \
+         warps around it, but this is {map}"
     )]
     Singular {
         /// The map.
         map: Box<Affine3A>,
     },
-    /// Nothing there: the field is nowhere 1/2.
+    /// The tree is empty: the field is nowhere 1/2.
     #[error("the BlobTree is empty: its field is at most {most}, but a surface is where it is 0.5")]
     Empty {
         /// The greatest value it may have.

@@ -5,7 +5,8 @@ use crate::ParameterError;
 /// The field's value on a surface.
 pub(super) const ISO: f32 = 0.5;
 
-/// Where the polynomial (1 - r²)³, which is often called Wyvill's, ends, in radii, if it is 1/2 at one: 1/√(1 - ∛½).
+/// Radius, in units of that at which it is 1/2, at which the polynomial (1 - r²)³ ends, which is often called
+/// Wyvill's: 1/√(1 - ∛½).
 const WYVILL_REACH: f32 = 2.201_663_5;
 
 /// A primitive's field as a function of x, the distance from its skeleton over the radius there.
@@ -22,8 +23,9 @@ const WYVILL_REACH: f32 = 2.201_663_5;
 )]
 #[non_exhaustive]
 pub enum FieldFunction {
-    /// From 1 at x = 1 - w to 0 at 1 + w for the `width` w, above 0 and at most 1, by the polynomial of degree 5 without slope
-    /// or curvature at both ends. So w says how far blends reach, in radii.
+    /// From 1 at x = 1 - w to 0 at 1 + w for the `width` w, above 0 and at most 1, by the polynomial of
+    /// degree 5 without slope or curvature at both ends. The width w is therefore the reach of blends, in
+    /// radii.
     Smooth {
         /// Half the way from 1 to 0, in radii.
         width: f32,
@@ -34,12 +36,12 @@ pub enum FieldFunction {
     /// Continuous; at r = 0 its slope jumps from 0 to -6, which the paper's own condition (∇F = 0 where F = 1)
     /// forbids.
     Steep {
-        /// Up to where the field is 1, as a share of the radius.
+        /// Distance up to which the field is 1, as a share of the radius.
         inner: f32,
     },
     /// (1 - r²)³ with r as in `Steep`, without a slope at both ends: what the paper's conditions ask for.
     Bounding {
-        /// Up to where the field is 1, as a share of the radius.
+        /// Distance up to which the field is 1, as a share of the radius.
         inner: f32,
     },
 }
@@ -110,7 +112,7 @@ impl FieldFunction {
         }
     }
 
-    /// At least the steepest fall, in value a radius, between `near` and `far` radii.
+    /// Upper bound of the fall, in value per radius, between `near` and `far` radii.
     pub(super) fn steepest(self, near: f32, far: f32) -> f32 {
         // Slopes grow to one place and fall beyond it.
         let place = match self {

@@ -52,12 +52,12 @@ const BARK: [f32; 3] = [0.16, 0.118, 0.088];
 /// An implicit solid: primitives joined by operators; see the [module](self).
 ///
 /// Evaluation skips every part whose box does not hold the point, so its cost follows what is near; for many
-/// points near one another a [part](Self::part) is faster still. About 104 bytes a primitive and 40 an operator.
-/// Cloning is cheap.
+/// points near one another a [part](Self::part) is faster still. About 104 bytes per primitive and 40 per
+/// operator. Cloning is cheap.
 #[derive(Debug, Clone)]
 pub struct BlobTree {
     scene: Arc<Scene>,
-    /// Where the scene's origin is: 0 unless the solid is far from the origin.
+    /// Position of the scene's origin: 0 unless the solid is far from the origin.
     origin: Vec3,
 }
 
@@ -77,7 +77,7 @@ impl BlobTree {
         self.clone().moved_to(Vec3::ZERO)
     }
 
-    /// Where its own origin is.
+    /// Position of its own origin.
     pub(super) fn origin(&self) -> Vec3 {
         self.origin
     }
@@ -88,7 +88,8 @@ impl BlobTree {
         self.scene.value(self.scene.near(point).into_iter().rev(), point)
     }
 
-    /// The value at a point and its gradient, a metre; it points inwards. Of length 0 where the field is level.
+    /// The value at a point and its gradient, per metre; it points inwards. The gradient has length 0 where
+    /// the field is level.
     pub fn gradient(&self, point: Vec3) -> (f32, Vec3) {
         let point = point - self.origin;
         self.scene.gradient(self.scene.near(point).into_iter().rev(), point)

@@ -7,11 +7,11 @@ use crate::{Bounds, ParameterError, math};
 
 /// Distance around a solid within which another one yields to it, for precise contact modelling.
 ///
-/// Where a solid F₂ presses on F₁, F₁ becomes F₁ + G(½ - F₂), with G(u) = u within F₂ (u below 0): so both have the value 1/2
-/// where F₁ = F₂, which is the contact surface. Around F₂, where its field is felt less, F₁ bulges by
-/// G(u) = u (1 - u/w)² (1 + b u/w) for u up to the `reach` w, and by nothing beyond: G has slope 1 on the surface of F₂ and none at w,
-/// so the pressed surface is C¹. (Gascuel 1993; Desbrun and Cani 1998; there of distances, here of field values, so that it is
-/// an operator like any other.)
+/// Pressed by a solid F₂, F₁ becomes F₁ + G(½ - F₂), with G(u) = u within F₂ (u below 0): so both have the
+/// value 1/2 where F₁ = F₂, which is the contact surface. Around F₂, where its field is felt less, F₁ bulges
+/// by G(u) = u (1 - u/w)² (1 + b u/w) for u up to the `reach` w, and by nothing beyond: G has slope 1 on the
+/// surface of F₂ and none at w, so the pressed surface is C¹. (Gascuel 1993; Desbrun and Cani 1998; there of
+/// distances, here of field values, so that it is an operator like any other.)
 #[must_use]
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
@@ -36,7 +36,8 @@ impl Contact {
         self
     }
 
-    /// How much higher it bulges, 0 to 3; default 0. The highest bulge is 4/27 of the reach at 0, 0.32 of it at 3.
+    /// The factor b that makes bulges higher, 0 to 3; default 0. The highest bulge is 4/27 of the reach at 0,
+    /// 0.32 of it at 3.
     pub fn with_bulge(mut self, bulge: f32) -> Self {
         self.bulge = bulge;
         self
@@ -58,12 +59,12 @@ impl Contact {
         (u * rest * rest * lift, -slope)
     }
 
-    /// At least the greatest slope of the change.
+    /// Upper bound of the slope of the change.
     fn steepest(self) -> f32 {
         1.0 + 0.2 * self.bulge
     }
 
-    /// At least the greatest change.
+    /// Upper bound of the change.
     fn highest(self) -> f32 {
         self.reach * (0.15 + 0.06 * self.bulge)
     }
@@ -148,17 +149,17 @@ impl Operator {
         }
     }
 
-    /// Whether f(f(a, b), c) = f(a, b, c), in whatever order.
+    /// `true` if f(f(a, b), c) = f(a, b, c), in whatever order.
     pub(super) fn is_associative(self) -> bool {
         matches!(self, Self::Sum | Self::SuperElliptic(_) | Self::Union | Self::Intersection)
     }
 
-    /// Whether parts of value 0 make no difference, to the bit, and a single other part remains as it is.
+    /// `true` if parts of value 0 make no difference, to the bit, and a single other part remains as it is.
     pub(super) fn ignores_nothing(self) -> bool {
         matches!(self, Self::Sum | Self::SuperElliptic(_) | Self::Union | Self::Contact(_))
     }
 
-    /// Whether it makes creases or bulges finer than its parts.
+    /// `true` if it makes creases or bulges finer than its parts.
     pub(super) fn is_contact(self) -> bool {
         matches!(self, Self::Contact(_) | Self::Pressed(_))
     }
@@ -242,7 +243,7 @@ impl Operator {
                         },
                     );
                 Range {
-                    // Nothing is pressed below the second greatest, and the greatest only by the second.
+                    // No value is pressed below the second greatest, and the greatest only by the second.
                     least: least[1].max(least[0] + (ISO - most[1]).min(0.0)),
                     most: most[0] + if most[1] > 0.0 { contact.highest() } else { 0.0 },
                     slope: (slopes[0] + slopes[1]) * contact.steepest(),

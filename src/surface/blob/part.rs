@@ -1,4 +1,4 @@
-//! What counts of a [`BlobTree`] within a cube.
+//! The part of a [`BlobTree`] that counts within a cube.
 
 use super::BlobTree;
 use super::Operator::{Contact, Difference, Intersection, Pressed, Sum, SuperElliptic, Union};
@@ -13,7 +13,7 @@ use glam::Vec3;
 use smallvec::SmallVec;
 use std::sync::Arc;
 
-/// How much finer than its parts a place is where they press on each other.
+/// Factor on the size of the finest feature where parts press on each other.
 const CREASE: f32 = 0.25;
 /// A bounding field up to this makes no feature to speak of.
 const FAINT: f32 = 0.05;
@@ -51,12 +51,12 @@ impl BlobPart {
         self.steps.len()
     }
 
-    /// Whether nothing counts: all values are -1/2.
+    /// `true` if nothing counts: all values are -1/2.
     pub fn is_empty(&self) -> bool {
         matches!(*self.steps, [] | [Kind::Nothing | Kind::NoLimb])
     }
 
-    /// No value in the box changes by more than this a metre.
+    /// No value in the box changes by more than this per metre.
     pub fn lipschitz(&self) -> f32 {
         self.slope
     }
@@ -73,7 +73,7 @@ impl Part for BlobPart {
 
     fn span(&self, passage: &Passage) -> Option<Span> {
         let passage = &Passage { origin: passage.origin - self.origin, ..*passage };
-        // Where only a bounding field is felt there is nothing.
+        // Nothing counts where only a bounding field is felt.
         let next = self.steps.iter().skip(1).map(Some).chain([None]);
         hull(self.steps.iter().zip(next).map(|step| match step {
             (Kind::Leaf(_), Some(Kind::Bounded { .. } | Kind::Fork(Fork { is_bounded: true, .. }))) => None,
@@ -121,16 +121,16 @@ impl Solid for BlobTree {
 struct Fate {
     /// The first of the steps that make its part.
     start: u32,
-    /// Of a limb, that of its own value.
+    /// Range of its value; for a limb, that of its own value.
     range: Range,
-    /// Of all that stands on a limb; of what is none, nothing.
+    /// Range of all that stands on a limb; for other parts, nothing.
     rest: Range,
-    /// How many values it has when it is replaced.
+    /// The number of values that its replacement has.
     values: u8,
     detail: f32,
     /// Its replacement; `None` if its only part that counts does for it.
     step: Option<Kind>,
-    /// Whether what it is a part of needs it.
+    /// `true` if the step that it is a part of needs it.
     needed: bool,
 }
 
@@ -139,7 +139,7 @@ impl Fate {
         Self { detail: f32::INFINITY, ..Self::of(start, Range::NOTHING, Some(Kind::Nothing)) }
     }
 
-    /// Of what is no limb.
+    /// The fate of a part that is no limb.
     fn of(start: u32, range: Range, step: Option<Kind>) -> Self {
         let (rest, values, detail) = (Range::NOTHING, 1, 0.0);
         Self { start, range, rest, values, detail, step, needed: false }
@@ -273,29 +273,29 @@ impl Scene {
     fn forked(&self, fork: Fork, start: u32, parts: &[u32], fates: &mut [Fate]) -> Fate {
         let mut numbers = parts.iter().map(|&part| part as usize);
         let mut next = |is_there: bool| if is_there { numbers.next() } else { None };
-        let [bearer, lateral, field] = [fork.bearer > 0, fork.lateral > 0, fork.is_bounded].map(&mut next);
+        let [parent, lateral, field] = [fork.parent > 0, fork.lateral > 0, fork.is_bounded].map(&mut next);
         let felt = |part: Option<usize>, fates: &[Fate]| part.filter(|&part| !fates[part].is_nothing());
-        let (bearer, lateral) = (felt(bearer, fates), felt(lateral, fates));
+        let (parent, lateral) = (felt(parent, fates), felt(lateral, fates));
         let Some(lateral) = lateral else {
-            // What bears it is as it was.
-            let Some(bearer) = bearer else { return Fate::nothing(start) };
-            fates[bearer].needed = true;
-            return Fate { start, step: None, needed: false, ..fates[bearer] };
+            // The parent branch stays as it was.
+            let Some(parent) = parent else { return Fate::nothing(start) };
+            fates[parent].needed = true;
+            return Fate { start, step: None, needed: false, ..fates[parent] };
         };
         let ranges = |part: usize| [fates[part].range, fates[part].rest];
-        let [own, other] = [bearer.map_or([Range::NOTHING; 2], ranges), ranges(lateral)];
-        // Where one of them is not felt nothing blends.
+        let [own, other] = [parent.map_or([Range::NOTHING; 2], ranges), ranges(lateral)];
+        // Nothing blends where one of them is not felt.
         let blends = !own[0].is_nothing() && !other[0].is_nothing();
         let field = felt(field, fates).filter(|_| blends);
         let bounding = field.map_or(Range::NOTHING, |field| fates[field].range);
         let style = &self.styles[fork.style as usize];
         let rest = Fork::range(style, own, other, bounding);
-        let limbs = || bearer.into_iter().chain([lateral]);
+        let limbs = || parent.into_iter().chain([lateral]);
         let detail = limbs().map(|part| fates[part].detail).fold(f32::INFINITY, f32::min);
         let creases = style.has_contact() && bounding.most > FAINT;
         let detail = if creases { detail * CREASE } else { detail };
         let fork = Fork {
-            bearer: bearer.map_or(0, |part| fates[part].values),
+            parent: parent.map_or(0, |part| fates[part].values),
             lateral: fates[lateral].values,
             is_bounded: field.is_some(),
             ..fork

@@ -26,7 +26,7 @@ enum Scene {
     Lines(Operator),
     /// Two lines under both, with a colour where they meet.
     Bounded(Option<[f32; 3]>),
-    /// A fork of so many years.
+    /// A fork of this age, years.
     Fork(f32),
 }
 
@@ -65,7 +65,7 @@ impl BlobPreset {
     /// Content of the picture.
     ///
     /// # Errors
-    /// None that is known.
+    /// None is known.
     pub fn blob_tree(&self) -> Result<BlobTree, BlobError> {
         match self.scene {
             Scene::Lines(operator) => {
@@ -95,7 +95,7 @@ impl BlobPreset {
 fn lines(builder: &mut BlobTreeBuilder) -> Result<[super::Node; 2], BlobError> {
     let [from, to] = [Vec3::new(0.0, -2.0, 0.0), Vec3::new(0.0, 2.0, 0.0)];
     let stem = builder.add(Primitive::line(from, to, 0.22).with_color(BARK))?;
-    // Not from the stem's axis on, for then it would be felt on the far side.
+    // It does not begin on the stem's axis, since it would be felt on the far side then.
     let lateral = Primitive::line(Vec3::new(0.06, -0.24, 0.0), Vec3::new(2.0, 1.7, 0.0), 0.17);
     Ok([stem, builder.add(lateral.with_color(BARK))?])
 }
@@ -107,7 +107,7 @@ fn lines(builder: &mut BlobTreeBuilder) -> Result<[super::Node; 2], BlobError> {
 /// Years that are negative or not finite, for then radii are.
 pub fn fork(years: f32) -> Result<Skeleton, SkeletonError> {
     const STEP: f32 = 0.02;
-    const FOOT: f32 = 0.2;
+    const FIRST: f32 = 0.2;
     /// End of the first shoot, where the lateral springs.
     const END: usize = 8;
     const LATERAL: u32 = 7;
@@ -120,7 +120,7 @@ pub fn fork(years: f32) -> Result<Skeleton, SkeletonError> {
     let (mut positions, mut parents, mut radii, mut stages) = (vec![], vec![], vec![], vec![]);
     for i in 0..NODES {
         // The first internode is long, so that pictures do not show the end.
-        let along = if i == 0 { 0.0 } else { FOOT + i as f32 * STEP };
+        let along = if i == 0 { 0.0 } else { FIRST + i as f32 * STEP };
         positions.push(Vec3::new(0.0, along, 0.0));
         parents.push(i.checked_sub(1).map(|parent| parent as u32));
         // The year's ring ends gently, over some steps around the junction.

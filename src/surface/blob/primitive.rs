@@ -14,9 +14,10 @@ const ROUNDING: f32 = 8.0 * f32::EPSILON;
 
 /// A skeletal primitive: a point, a line or a cone segment, its radius, the field around it and its colour.
 ///
-/// A cone segment is the union of the balls along its axis, whose radii are interpolated between its ends, and its field the
-/// greatest of theirs: it depends on the least distance from a point of the axis over the radius there. So cones of one taper, end
-/// to end, are smooth where they meet, and round where the second tapers more. What is out of range is refused where it is
+/// A cone segment is the union of the balls along its axis, whose radii are interpolated between its ends,
+/// and its field the greatest of theirs: it depends on the least distance from a point of the axis over the
+/// radius there. Cones of one taper, end to end, are therefore smooth where they meet, and round where the
+/// second tapers more. Values out of range are refused when the primitive is
 /// [added](super::BlobTreeBuilder::add).
 #[must_use]
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -78,7 +79,7 @@ impl Primitive {
         self
     }
 
-    /// From end to end, metres.
+    /// Length from end to end, metres.
     pub(super) fn length(&self) -> f32 {
         self.ends[0].distance(self.ends[1])
     }
@@ -132,7 +133,7 @@ pub(super) struct Leaf {
 pub(super) struct Range {
     pub(super) least: f32,
     pub(super) most: f32,
-    /// At least the greatest change of the value a metre.
+    /// Upper bound of the change of the value per metre.
     pub(super) slope: f32,
 }
 
@@ -189,13 +190,15 @@ impl Leaf {
         at(self.from, self.radius).union(at(self.from + self.way, self.radius(1.0)))
     }
 
-    /// How far along the way the ball is that is felt most: a fraction, of which beyond 0 and 1 it is the one at that end. And the
-    /// square of the distance from the line.
+    /// The ball of the cone that is felt most: its place along the way, as numerator and denominator of a
+    /// fraction (below 0 and above 1 it is the ball at that end), and the square of the distance from the
+    /// line.
     #[inline]
     fn strongest(&self, offset: Vec3) -> ([f32; 2], f32) {
         let beside = offset.dot(self.way) * self.inverse;
         let square = (offset - self.way * beside).length_squared();
-        // Where the derivative of (distance / radius)² is 0. Where the radius would be below 0, it is the thick end.
+        // The place where the derivative of (distance / radius)² is 0. If the radius would be below 0 there,
+        // it is the thick end.
         let swell = 1.0 + self.growth * beside;
         ([beside * swell + self.growth * square * self.inverse, swell], square)
     }
@@ -209,8 +212,8 @@ impl Leaf {
             let end = self.radius(1.0);
             ((offset - self.way).length_squared(), end * end)
         } else {
-            // The radius beside the point r and the distance from the line h are r (1 + q) and h √(1 + q) at the ball, where
-            // q is the square of h/r times the change of the radius a metre.
+            // The radius beside the point r and the distance from the line h are r (1 + q) and h √(1 + q) at
+            // the ball, where q is the square of h/r times the change of the radius per metre.
             let (beside, change) = (self.radius * swell, self.radius * self.growth);
             (square, beside * beside + change * change * self.inverse * square)
         };
@@ -239,7 +242,7 @@ impl Leaf {
         } else {
             at / swell
         };
-        // That of the ball, for another is felt no more.
+        // The gradient of this ball, since no other is felt more.
         let away = offset - self.way * t;
         let direction = away / (away.length().max(f32::MIN_POSITIVE) * self.radius(t));
         (self.strength * value, direction * (self.strength * slope))
@@ -297,7 +300,7 @@ impl Leaf {
     }
 }
 
-/// From 0 to 1; 0 of what is not a number.
+/// Clamps to 0 to 1; NaN becomes 0.
 #[inline]
 fn clamped(t: f32) -> f32 {
     if t > 0.0 { t.min(1.0) } else { 0.0 }

@@ -44,7 +44,7 @@ pub(super) enum Kind {
 pub(super) struct Warp {
     forth: Affine3A,
     back: Affine3A,
-    /// At least the greatest stretch of the inverse.
+    /// Upper bound of the stretch of the inverse.
     stretch: f32,
 }
 
@@ -72,7 +72,8 @@ impl Warp {
     }
 }
 
-/// At least the greatest stretch: the root of the greatest row sum of `AᵀA`, which is at least its greatest eigenvalue.
+/// Upper bound of the stretch: the root of the greatest row sum of `AᵀA`, which is at least its greatest
+/// eigenvalue.
 fn norm(matrix: Mat3A) -> f32 {
     let square = matrix.transpose() * matrix;
     let row = |v: glam::Vec3A| v.abs().element_sum();
@@ -88,7 +89,7 @@ pub(super) struct Scene {
     /// The first of the steps that make a part.
     pub(super) starts: Vec<u32>,
     pub(super) leaves: Vec<Leaf>,
-    /// Those of nodes, then both of each style.
+    /// The operators of nodes, then both of each style.
     pub(super) operators: Vec<Operator>,
     first_of_styles: u32,
     pub(super) styles: Vec<Bounded>,
@@ -99,13 +100,13 @@ pub(super) struct Scene {
 struct Frame {
     node: u32,
     warp: u32,
-    /// How many of its parts are done.
+    /// The number of its parts that are done.
     done: usize,
     start: u32,
 }
 
 impl Scene {
-    /// Of what `root` is made of, all moved so that `origin` is its origin.
+    /// The scene of all parts of `root`, moved so that `origin` is its origin.
     pub(super) fn new(
         drafts: &BlobTreeBuilder,
         root: u32,
@@ -124,7 +125,7 @@ impl Scene {
         };
         scene.operators.extend(drafts.styles.iter().flat_map(|style| [style.inside, style.outside]));
         let mut frames = vec![Frame { node: root, warp: 0, done: 0, start: 0 }];
-        // Of finished parts.
+        // Boxes of finished parts.
         let mut boxes: Vec<Bounds> = Vec::new();
         while let Some(frame) = frames.last_mut() {
             let draft = &drafts.entries[frame.node as usize].draft;
@@ -318,7 +319,7 @@ impl Scene {
                     rest
                 }
             };
-            // What is not felt has no colour either, whether its step is there or not.
+            // A part that is not felt has no colour either, whether its step is there or not.
             stack.push(if felt.0 > 0.0 { felt } else { (0.0, [0.0; 3]) });
         }
         let stronger =

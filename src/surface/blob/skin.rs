@@ -11,15 +11,16 @@ use glam::Vec3;
 
 /// A scar fainter than this is none.
 const FAINTEST: f32 = 0.01;
-/// The least sine of the angle between a lateral and its bearer that is told from 0.
+/// The least sine of the angle between a lateral and its parent branch; smaller ones count as this.
 const LEAST_SINE: f32 = 0.35;
-/// How many of its radii of a trunk's base are cut off at the ground.
+/// Length of the trunk base to which the cut at the ground is applied, in its radii.
 const STANDING: f32 = 3.0;
-/// A trunk that rises less than this, a metre, lies on the ground.
+/// A trunk that rises by less than this per metre lies on the ground.
 const LEAST_RISE: f32 = 0.5;
-/// How much larger than the trunk base the ball is that cuts it off: it bends by a hundredth of a radius.
+/// Radius of the ball that cuts off the trunk base, in radii of the base: the cut bends by a hundredth of a
+/// radius.
 const FLAT: f32 = 50.0;
-/// How far below its root a trunk is cut off, in radii: so that the root is within.
+/// Depth below its root at which a trunk is cut off, in radii, so that the root is within.
 const SUNK: f32 = 0.02;
 /// Farther out than this, in metres, no ball is put.
 const FARTHEST: f32 = 1e8;
@@ -28,15 +29,15 @@ const NARROW: f32 = 0.25;
 
 /// The skin of a whole tree as a [`BlobTree`]: section 3.2 of Galbraith, Mündermann and Wyvill 2004.
 ///
-/// Each year's shoot is a [`Curve`]; the shoots of an axis are joined end to end, and a lateral is summed to its parent branch, so
-/// that all is smooth there: a lateral's field reaches as far as its bearer's, so that the fillet below it is as soft on one as on the
-/// other. No other branches are: those that pass each other, and laterals of one bearer, meet as by a
-/// [union](Operator::Union), with a crease and without a bridge. Where two years' shoots meet, precise contact takes the place of
-/// that within a bounding field: the
-/// ring of the bud scale scar, which fades as the junction ages. Where a lateral leaves its bearer there is contact too: around
-/// its whole base at first, the bud scale scar of the lateral; with age the bounding field moves into the axil, where the
-/// contact stays as the branch bark ridge and the rest of the base becomes smooth. Both are darkened as far as their bounding
-/// field is felt.
+/// Each year's shoot is a [`Curve`]; the shoots of an axis are joined end to end, and a lateral is summed to
+/// its parent branch, so that all is smooth there: a lateral's field reaches as far as its parent branch's,
+/// so that the fillet below it is as soft on one as on the other. No other branches are summed: those that
+/// pass each other, and laterals of one parent branch, meet as by a [union](Operator::Union), with a crease
+/// and without a bridge. Where two years' shoots meet, precise contact takes the place of that within a
+/// bounding field: the ring of the bud scale scar, which fades as the junction ages. At the base of a lateral
+/// there is contact too: at first around the whole base, the bud scale scar of the lateral; with age the
+/// bounding field moves into the axil, where the contact stays as the branch bark ridge and the rest of the
+/// base becomes smooth. Both are darkened as far as their bounding field is felt.
 ///
 /// The trunk base is cut off level, 2% of its radius below the root, so that it stands on the ground; across, if the trunk rises less
 /// than 30° there. On the inner side of bends the cone segments of a curve meet in creases of at most
@@ -105,8 +106,9 @@ impl Skin {
         self
     }
 
-    /// How far fields reach beyond the surface, in radii, and so how wide fillets are: 0.01 to 1; default 0.7. That of a lateral
-    /// reaches as far as that of its bearer where it leaves it, but no farther than one radius of its own.
+    /// Reach of fields beyond the surface, and so the width of fillets, in radii: 0.01 to 1; default 0.7. The
+    /// field of a lateral reaches as far as that of its parent branch where it leaves it, but no farther than
+    /// one radius of its own.
     pub fn with_blend(mut self, radii: f32) -> Self {
         self.blend = radii;
         self
@@ -136,13 +138,13 @@ impl Skin {
         self
     }
 
-    /// After how many years the scars of axes are gone, above 1, to 100,000; default 10.
+    /// Years after which the scars of axes are gone, above 1, to 100,000; default 10.
     pub fn with_scar_years(mut self, years: f32) -> Self {
         self.scar_years = years;
         self
     }
 
-    /// After how many years the scar of a lateral has become a ridge, above 0, to 100,000; default 10.
+    /// Years after which the scar of a lateral has become a ridge, above 0, to 100,000; default 10.
     pub fn with_ridge_years(mut self, years: f32) -> Self {
         self.ridge_years = years;
         self
@@ -188,7 +190,7 @@ impl Skin {
         self.blob_tree_observed(skeleton, &Silent)
     }
 
-    /// As [`blob_tree`](Self::blob_tree), telling `observer` how far it is and stopping when told to.
+    /// As [`blob_tree`](Self::blob_tree), reporting progress to `observer`, which can cancel the work.
     ///
     /// # Errors
     /// As [`blob_tree`](Self::blob_tree), and [`BlobError::Cancelled`].
@@ -211,16 +213,16 @@ impl Skin {
         let age = self.age.unwrap_or(f32::from(last) + 1.0);
         let branches = skeleton.branches();
         let mut tailor = Tailor { skin: self, skeleton, age, builder: BlobTreeBuilder::default() };
-        let bearers = bearers(skeleton, &branches);
-        // Bearers come first, so backwards laterals are ready before they are needed.
+        let parents = parents(skeleton, &branches);
+        // Parent branches come first, so backwards laterals are ready before they are needed.
         let mut done: Vec<Option<Node>> = branches.iter().map(|_| None).collect();
         let mut borne: Vec<Vec<u32>> = vec![Vec::new(); branches.len()];
         let all: Vec<_> = branches.iter().collect();
         let springs: Vec<Option<Spring>> = all
             .iter()
-            .zip(&bearers)
-            .map(|(branch, bearer)| {
-                bearer.map(|(bearer, place)| tailor.spring(branch.nodes(), all[bearer].nodes(), place))
+            .zip(&parents)
+            .map(|(branch, parent)| {
+                parent.map(|(parent, place)| tailor.spring(branch.nodes(), all[parent].nodes(), place))
             })
             .collect();
         for (number, branch) in all.iter().enumerate().rev() {
@@ -232,8 +234,8 @@ impl Skin {
                 node = tailor.fork(node, part, spring)?;
             }
             done[number] = Some(node);
-            if let Some((bearer, _)) = bearers[number] {
-                borne[bearer].push(number as u32);
+            if let Some((parent, _)) = parents[number] {
+                borne[parent].push(number as u32);
             }
         }
         match done.first_mut().and_then(Option::take) {
@@ -249,8 +251,8 @@ impl Skin {
     }
 }
 
-/// The branch that bears each branch, and where on its axis, in nodes; `None` for the trunk.
-fn bearers(skeleton: &Skeleton, branches: &Branches) -> Vec<Option<(usize, usize)>> {
+/// The parent branch of each branch, and the place on its axis, in nodes; `None` for the trunk.
+fn parents(skeleton: &Skeleton, branches: &Branches) -> Vec<Option<(usize, usize)>> {
     let mut home = vec![(0, 0); skeleton.len()];
     for (number, branch) in branches.iter().enumerate() {
         let own = usize::from(number > 0);
@@ -258,21 +260,22 @@ fn bearers(skeleton: &Skeleton, branches: &Branches) -> Vec<Option<(usize, usize
             home[node as usize] = (number, place);
         }
     }
-    let bearer = |(number, branch): (usize, crate::skeleton::Branch<'_>)| {
+    let parent = |(number, branch): (usize, crate::skeleton::Branch<'_>)| {
         (number > 0).then(|| home[branch.nodes()[0] as usize])
     };
-    branches.iter().enumerate().map(bearer).collect()
+    branches.iter().enumerate().map(parent).collect()
 }
 
 /// Place and direction in which a lateral leaves its parent branch.
 struct Spring {
-    /// The node on the bearer's axis, and the lateral's first own.
-    foot: Vec3,
+    /// The position of the node on the parent branch's axis, and the lateral's first node of its own.
+    start: Vec3,
     first: u32,
-    /// The radii of the bearer and the lateral there.
+    /// The radii of the parent branch and the lateral there.
     thick: f32,
     own: f32,
-    /// The ways of both axes, and the sine and cosine of the angle between them; the sine is told from 0.
+    /// The ways of both axes, and the sine and cosine of the angle between them; the sine is at least
+    /// [`LEAST_SINE`].
     along: Vec3,
     out: Vec3,
     sine: f32,
@@ -296,27 +299,27 @@ impl Tailor<'_> {
         self.skeleton.radii()[node as usize]
     }
 
-    /// How many years ago a node's shoot grew.
+    /// The age of a node's shoot, years.
     fn age_of(&self, node: u32) -> f32 {
         (self.age - f32::from(self.skeleton.stages()[node as usize])).max(0.0)
     }
 
-    /// Of a lateral of those nodes on the node at that place of its bearer's axis.
+    /// The spring of a lateral of these `nodes` on the node at `place` of its parent branch's `axis`.
     fn spring(&self, nodes: &[u32], axis: &[u32], place: usize) -> Spring {
         let (at, first) = (nodes[0], nodes[1]);
-        let (foot, own) = (self.position(at), self.radius(first));
+        let (start, own) = (self.position(at), self.radius(first));
         let thick = if self.radius(at) > 0.0 { self.radius(at) } else { own };
-        let out = (self.position(first) - foot).normalize_or(Vec3::Y);
+        let out = (self.position(first) - start).normalize_or(Vec3::Y);
         let along = self.direction(axis, place).unwrap_or(out);
         let cosine = along.dot(out);
         let sine = (1.0 - cosine * cosine).max(0.0).sqrt().max(LEAST_SINE);
-        Spring { foot, first, thick, own, along, out, sine, cosine }
+        Spring { start, first, thick, own, along, out, sine, cosine }
     }
 
     /// The shoots of an axis, end to end, with a scar between any two; `None` springs from nothing: the trunk.
     fn axis(&mut self, nodes: &[u32], spring: Option<&Spring>) -> Result<Node, BlobError> {
         let stage = |i: usize| self.skeleton.stages()[nodes[i] as usize];
-        // The first node belongs to the bearer, with its radius.
+        // The first node belongs to the parent branch, with its radius.
         let own = spring.is_none() && (nodes.len() == 1 || self.radius(nodes[0]) > 0.0);
         let first = if own { nodes[0] } else { nodes[1] };
         let radius = |i: usize| self.radius(if i == 0 { first } else { nodes[i] });
@@ -380,12 +383,13 @@ impl Tailor<'_> {
         shoots.pop().ok_or(BlobError::Empty { most: 0.0 })
     }
 
-    /// A shoot of the trunk, of which the first so many metres stand in the ground: they are cut off there, by a ball so large that
-    /// it is flat as far as they reach. Takes off from `metres` what stands.
+    /// A shoot of the trunk whose first `metres` metres stand on the ground: they are cut off there, by a
+    /// ball so large that its surface is flat as far as they reach. Subtracts from `metres` the length of
+    /// this shoot.
     fn standing(
         &mut self,
         curve: &Curve,
-        [foot, way]: [Vec3; 2],
+        [start, way]: [Vec3; 2],
         radius: f32,
         metres: &mut f32,
     ) -> Result<Node, BlobError> {
@@ -402,13 +406,13 @@ impl Tailor<'_> {
             *metres = (*metres - cone.length()).max(0.0);
         }
         let (ball, along) = (FLAT * radius, way.normalize_or(Vec3::Y));
-        // What lies on the ground has its end cut off across.
+        // A trunk that lies on the ground has its end cut off across.
         let up = if along.y >= LEAST_RISE { Vec3::Y } else { along };
         let mut parts = Vec::new();
         if !below.is_empty() {
             let mut solid = self.builder.union(below)?;
-            if foot.abs().max_element() + 2.0 * ball <= FARTHEST {
-                let ground = Primitive::point(foot + up * (ball - SUNK * radius), ball)
+            if start.abs().max_element() + 2.0 * ball <= FARTHEST {
+                let ground = Primitive::point(start + up * (ball - SUNK * radius), ball)
                     .with_field(FieldFunction::Smooth { width: 1.0 / FLAT })
                     .with_color(self.skin.bark);
                 let ground = self.builder.add(ground)?;
@@ -437,17 +441,17 @@ impl Tailor<'_> {
         self.builder.bounded([shoot, next], style, field)
     }
 
-    /// A lateral on its bearer, with a scar around its base or a ridge in its axil.
-    fn fork(&mut self, bearer: Node, lateral: Node, spring: &Spring) -> Result<Node, BlobError> {
+    /// A lateral on its parent branch, with a scar around its base or a ridge in its axil.
+    fn fork(&mut self, parent: Node, lateral: Node, spring: &Spring) -> Result<Node, BlobError> {
         let skin = self.skin;
         if skin.ridges < FAINTEST {
-            return self.builder.fork([bearer, lateral], Bounded::new(Operator::Sum, Operator::Sum), None);
+            return self.builder.fork([parent, lateral], Bounded::new(Operator::Sum, Operator::Sum), None);
         }
-        let &Spring { foot, first, thick, own, along, out, sine, cosine } = spring;
-        // Where the lateral's axis and its upper side leave the bearer.
+        let &Spring { start, first, thick, own, along, out, sine, cosine } = spring;
+        // The points at which the lateral's axis and its upper side leave the parent branch.
         let upper = (along - out * cosine).normalize_or(along);
-        let base = foot + out * (thick / sine);
-        let axil = foot + out * ((thick + own * cosine.max(0.0)) / sine) + upper * own;
+        let base = start + out * (thick / sine);
+        let axil = start + out * ((thick + own * cosine.max(0.0)) / sine) + upper * own;
         let old = smooth(self.age_of(first) / skin.ridge_years);
         let lerp = |young: f32, aged: f32| young + (aged - young) * old;
         let bounding = Primitive::point(base.lerp(axil, old), own * lerp(1.7 / sine, 2.6))
@@ -455,7 +459,7 @@ impl Tailor<'_> {
             .with_strength(skin.ridges);
         let field = self.builder.add(bounding)?;
         let style = Bounded::new(self.pressed(), Operator::Sum).with_color(skin.mark);
-        self.builder.fork([bearer, lateral], style, Some(field))
+        self.builder.fork([parent, lateral], style, Some(field))
     }
 
     /// Direction in which an axis goes on at its i-th node, or comes from at its tip.
@@ -465,28 +469,28 @@ impl Tailor<'_> {
     }
 
     fn pressed(&self) -> Operator {
-        // Where fields reach farther they are flatter: so bulges are as wide and high as ever.
+        // Fields that reach farther are flatter; a smaller reach keeps bulges as wide and high as ever.
         let reach = (NARROW / self.skin.blend).min(ISO);
         Operator::Contact(Contact::default().with_reach(reach).with_bulge(self.skin.bulge))
     }
 }
 
 impl Spring {
-    /// The width of the lateral's field, in its radii: that of its bearer in metres, so that neither end of the fillet is much
-    /// sharper than the other.
+    /// The width of the lateral's field, in its radii: in metres it is that of its parent branch, so that
+    /// neither end of the fillet is much sharper than the other.
     fn width(&self, blend: f32) -> f32 {
         (blend * self.thick / self.own).clamp(blend, 1.0)
     }
 
-    /// From where on the lateral is needed, as a share of its first `length` metres: its round end stays within the bearer, and is
-    /// not felt on the bearer's far side, if that can be.
+    /// Place from which on the lateral is needed, as a share of its first `length` metres: its round end
+    /// stays within the parent branch, and is not felt on the far side of that, if possible.
     fn shift(&self, width: f32, length: f32) -> f32 {
         let beyond = (self.own * (1.0 + width) - self.thick).min(self.thick - self.own).max(0.0);
         (beyond / (self.sine * length).max(f32::MIN_POSITIVE)).min(0.75)
     }
 }
 
-/// From 0 to 1 as t does, level at both ends.
+/// Smooth step: goes from 0 to 1 as t does, with slope 0 at both ends.
 pub(super) fn smooth(t: f32) -> f32 {
     let t = t.clamp(0.0, 1.0);
     t * t * (3.0 - 2.0 * t)

@@ -14,7 +14,8 @@ enum Act {
     Combine(Operator, usize),
     Bounded(Bounded, Primitive, usize),
     Warp(Vec3, Vec3),
-    /// Whether the bearer, the lateral are limbs already; whether there is a bounding field.
+    /// For the parent branch and the lateral, `true` if it is a limb already; then `true` if there is a
+    /// bounding field.
     Fork([bool; 3], Contact, Primitive),
 }
 
@@ -114,7 +115,7 @@ fn build(acts: &[Act]) -> Option<BlobTree> {
             Act::Fork([bearing, borne, is_bounded], contact, at) => {
                 let mut take = |limb: bool| if limb { limbs.pop() } else { nodes.pop() };
                 let pair = match (take(*bearing), take(*borne)) {
-                    (Some(bearer), Some(lateral)) => [bearer, lateral],
+                    (Some(parent), Some(lateral)) => [parent, lateral],
                     (one, other) => {
                         for (part, limb) in [(other, *borne), (one, *bearing)] {
                             if limb { limbs.extend(part) } else { nodes.extend(part) }

@@ -17,7 +17,7 @@ pub(super) const STEPS: [IVec3; 6] = [IVec3::X, IVec3::Y, IVec3::Z, IVec3::NEG_X
 /// Four voxels in each direction, near the surface.
 #[derive(Debug, Clone)]
 pub(super) struct Brick {
-    /// In finest voxels from the octree's corner.
+    /// Position of its corner, in finest voxels from the octree's corner.
     pub(super) corner: IVec3,
     /// Its voxels are 2 to the power of this finest voxels long.
     pub(super) level: u8,
@@ -82,7 +82,7 @@ pub(super) struct Bricks<P> {
     /// Parts that count in each block or within half a voxel of it.
     pub(super) parts: Vec<P>,
     pub(super) grid: Grid,
-    /// What many primitives add to the number of blocks.
+    /// Extra blocks counted for blocks in which many primitives are felt, see [`CROWD`](super::solid::CROWD).
     pub(super) crowd: usize,
     /// The level at which one block would hold everything.
     top: u8,
@@ -104,9 +104,10 @@ struct Path {
 }
 
 impl<P: Part> Bricks<P> {
-    /// The blocks that the surface may pass, at most so many. A voxel's side is the finest's times the greatest power of two of
-    /// which so many do not exceed the [detail](Part::detail) in its block, or half of that next to smaller ones: blocks that
-    /// touch differ by one level at most, or one of them is empty.
+    /// The blocks that the surface may pass, at most [`most_blocks`](Voxels::most_blocks). A voxel's side is
+    /// that of the finest times a power of two: the greatest of which [`per_detail`](Voxels::per_detail)
+    /// voxels do not exceed the [detail](Part::detail) in its block, or half of that next to smaller ones.
+    /// Blocks that touch differ by one level at most, or one of them is empty.
     pub(super) fn new(
         solid: &impl Solid<Part = P>,
         voxels: &Voxels,
@@ -198,7 +199,8 @@ impl<P: Part> Bricks<P> {
         self.nodes.shrink_to_fit();
     }
 
-    /// Which blocks are too large beside cubes that were split; of these, keeps those that have such.
+    /// Finds the blocks that are too large beside cubes that were split. Keeps in `split` those cubes that
+    /// have such a block beside them.
     fn larger_than(&self, split: &mut Vec<(IVec3, u8)>, watch: &Watch<'_>) -> Result<Vec<u32>, Cancelled> {
         let groups = split.len().div_ceil(GROUP);
         let large = parallel::map(groups, |group| {
@@ -232,8 +234,8 @@ impl<P: Part> Bricks<P> {
         Ok(large)
     }
 
-    /// Which blocks have a voxel inside beside a smaller place without blocks that is outside, or the other way round: the
-    /// surface passes between the voxel's middle and that place.
+    /// Finds the blocks that have a voxel inside beside a smaller place without blocks that is outside, or
+    /// the other way round: the surface passes between the voxel's middle and that place.
     fn clashing(&self, parts: &[Option<P>], watch: &Watch<'_>) -> Result<Vec<u32>, Cancelled> {
         let clashes = parallel::map(self.leaves.len(), |number| {
             let brick = &self.leaves[number];
@@ -248,7 +250,8 @@ impl<P: Part> Bricks<P> {
         Ok((0..).zip(clashes).filter_map(|(number, clashes)| clashes.then_some(number)).collect())
     }
 
-    /// Whether a voxel of a block touches, in that direction, a smaller place that is empty, but not as itself.
+    /// `true` if a voxel of a block touches, in the direction `step`, a smaller place without blocks that is
+    /// on the other side of the surface.
     fn clashes(&self, brick: &Brick, cell: u32, step: IVec3) -> bool {
         let beyond = voxel(cell) + step;
         // Half a voxel is a quarter of the smaller place.

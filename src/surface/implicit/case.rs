@@ -2,10 +2,11 @@
 
 use std::sync::LazyLock;
 
-/// How the surface passes in each case. Bit i of a case says that corner i is inside; corner `x + 2y + 4z` is at (x, y, z).
+/// The surface in each case. Bit i of a case says that corner i is inside; corner `x + 2y + 4z` is at (x, y,
+/// z).
 pub(super) static CASES: LazyLock<Vec<Case>> = LazyLock::new(|| (0..=255).map(Case::new).collect());
 
-/// How the surface passes between the corners of a cube.
+/// The triangles of the surface between the corners of a cube.
 #[derive(Debug)]
 pub(super) struct Case {
     /// Triangles, named by the cube's edges.
@@ -57,9 +58,9 @@ fn faces() -> [[u8; 4]; 6] {
 
 /// For each edge, the edge whose crossing follows around the surface's patches.
 ///
-/// On each face the surface runs from where the face's border, counter-clockwise seen from outside, leaves the inside to
-/// where it comes in. Where two opposite corners are inside they are joined, whatever the cube: so two cubes agree on
-/// the face they share, and thin twigs hold together.
+/// On each face the surface runs from the edge at which the face's border, counter-clockwise seen from
+/// outside, leaves the inside to the edge at which it enters it. If two opposite corners are inside, they are
+/// joined, whatever the cube: so two cubes agree on the face they share, and thin twigs hold together.
 fn follow(case: u8) -> [Option<u8>; 12] {
     let inside = |corner: u8| case >> corner & 1 == 1;
     let mut next = [None; 12];

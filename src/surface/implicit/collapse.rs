@@ -20,7 +20,8 @@ const FACING: f32 = 0.5;
 #[derive(Debug)]
 pub(super) struct Patch {
     vertices: Vec<Vertex>,
-    /// From `vertices.len()` on vertices are elsewhere; triangles that are gone have one vertex thrice.
+    /// The triangles. Vertices from `vertices.len()` on are elsewhere; triangles that are gone have one
+    /// vertex thrice.
     triangles: Vec<[u32; 3]>,
     /// The corner at the same vertex before each: `4 * triangle + i`.
     before: Vec<u32>,
@@ -36,7 +37,7 @@ pub(super) struct Vertex {
     /// The last corner here.
     last: u32,
     kind: Kind,
-    /// Whether to try whether it may go.
+    /// `true` if it is still to be tried whether the vertex may go.
     waits: bool,
 }
 
@@ -68,8 +69,8 @@ impl Vertex {
         Self { position, normal, error, last: NONE, kind: Kind::Unknown, waits: true }
     }
 
-    /// How far a side may be from a surface that is smooth between its ends: so far goes a cubic curve that is
-    /// perpendicular to the normals there.
+    /// Greatest distance of a side from a surface that is smooth between its ends: the distance of a cubic
+    /// curve that is perpendicular to the normals there.
     fn off(&self, other: &Self) -> f32 {
         let way = other.position - self.position;
         (way.dot(self.normal).abs() + way.dot(other.normal).abs()) * (4.0 / 27.0)
@@ -95,7 +96,7 @@ impl Patch {
         for _ in 0..ROUNDS {
             let mut any = false;
             for vertex in 0..self.vertices.len() {
-                // So many take the time of a block's vertices.
+                // 64 vertices take the time of a block's vertices.
                 if vertex % 64 == 0 && !watch.steps(1) {
                     return;
                 }
@@ -201,7 +202,8 @@ impl Patch {
         star.shared(&other) == 2
     }
 
-    /// Whether the triangles around a vertex, moved onto another, are still good and near the surface.
+    /// `true` if the triangles around a vertex are still good and near the surface when it is moved onto
+    /// another.
     fn is_near(&self, number: u32, star: &Star, onto: u32) -> bool {
         let [from, to] = [number, onto].map(|vertex| &self.vertices[vertex as usize]);
         let mut nearest = f32::INFINITY;
@@ -253,19 +255,20 @@ impl Star {
         (0..self.count).map(|i| [self.corners[i], self.ahead[i], self.behind[i]])
     }
 
-    /// How many of the neighbours are neighbours there too.
+    /// Number of neighbours that are neighbours of the other vertex too.
     fn shared(&self, other: &Self) -> usize {
         self.ahead[..self.count].iter().map(|&a| holds(&other.ahead, other.count, a)).sum()
     }
 
-    /// Whether triangles go all around.
+    /// `true` if triangles go all around.
     fn is_closed(&self) -> bool {
         self.ahead[..self.count].iter().map(|&a| holds(&self.behind, self.count, a)).sum::<usize>()
             == self.count
     }
 }
 
-/// How often a vertex is among the first so many. All are asked: that takes less time than to stop.
+/// Number of times that `vertex` is among the first `count`. The loop goes over all entries, which takes less
+/// time than to stop.
 fn holds(vertices: &[u32; MOST_AROUND], count: usize, vertex: u32) -> usize {
     let mut found = 0;
     for (i, &other) in (0..).zip(vertices) {

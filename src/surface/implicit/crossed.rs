@@ -1,4 +1,4 @@
-//! Which edges between voxels the surface crosses, and the vertices' numbers on them.
+//! The edges between voxels that the surface crosses, and the vertices' numbers on them.
 
 use super::brick::{Brick, Bricks, Place, STEPS, voxel};
 use super::solid::Part;
@@ -10,7 +10,7 @@ pub(super) struct Crossed {
     ahead: [u64; 3],
     /// The first vertex.
     first: u32,
-    /// How many vertices are of the directions before.
+    /// For each direction, the number of vertices of the directions before it.
     before: [u8; 6],
     /// Back from the block's side alone: bit i is the i-th voxel of that side.
     back: [u16; 3],
@@ -68,7 +68,7 @@ impl Crossed {
         self.first
     }
 
-    /// From now on its vertices are those from this one on.
+    /// Sets the number of the block's first vertex.
     pub(super) fn start_at(&mut self, first: u32) {
         self.first = first;
     }

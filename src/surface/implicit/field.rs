@@ -33,7 +33,7 @@ impl Segment {
         [self.from, self.from + self.way]
     }
 
-    /// How far along the way the nearest point of the axis is, 0 to 1, and the distance from it.
+    /// Place of the nearest point along the axis, 0 to 1, and the vector from it.
     #[inline(always)]
     fn nearest(&self, offset: Vec3) -> (f32, Vec3) {
         let t = (offset.dot(self.way) * self.inverse).clamp(0.0, 1.0);
@@ -55,15 +55,15 @@ impl Segment {
 /// distance from its axis exceeds its radius by the blend width, which is a share of that radius.
 #[derive(Debug, Clone)]
 pub(crate) struct Field {
-    /// Those of a branch one after another.
+    /// The segments, those of a branch one after another.
     pub(super) segments: Vec<Segment>,
     /// The blend width as a share of the radius.
     blend: f32,
-    /// The least number of voxels a radius.
+    /// The least number of voxels per radius.
     detail: f32,
-    /// What 32-bit floats leave open of a point's place, metres.
+    /// Greatest rounding error of a point's position in 32-bit floats, metres.
     slack: f32,
-    /// Where the primitives' origin is: 0 unless the tree is drawn far from the origin.
+    /// Position of the primitives' origin: 0 unless the tree is drawn far from the origin.
     origin: Vec3,
 }
 
@@ -71,7 +71,7 @@ pub(crate) struct Field {
 #[derive(Debug, Clone)]
 pub(crate) struct Felt<'a> {
     field: &'a Field,
-    /// In rising order.
+    /// Numbers of the segments, in rising order.
     near: SmallVec<[u32; 4]>,
     detail: f32,
     lipschitz: f32,
@@ -80,7 +80,8 @@ pub(crate) struct Felt<'a> {
 impl Field {
     /// The primitives of a skeleton's internodes, all at least `least` metres thick.
     ///
-    /// Radii are interpolated along a branch; its first internode has its own radius all along, not its bearer's.
+    /// Radii are interpolated along a branch; its first internode has its own radius all along, not its
+    /// parent branch's.
     pub(super) fn new(
         skeleton: &Skeleton,
         least: f32,
@@ -218,7 +219,7 @@ impl Part for Felt<'_> {
 
     fn gradient(&self, point: Vec3) -> (f32, Vec3) {
         let point = point - self.field.origin;
-        // Of the whole field, and of the branch at hand.
+        // Sums over the whole field, and over the current branch.
         let (mut sum, mut slope) = (0.0, Vec3::ZERO);
         let (mut best, mut branch) = ((0.0, Vec3::ZERO), u32::MAX);
         for &number in &self.near {

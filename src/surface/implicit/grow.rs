@@ -12,8 +12,8 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 /// are not larger, rounding included. It lies within that of a block of twice the size.
 const MARGIN: f32 = 0.53;
 
-/// Cubes are split level by level until there are so many; from there on each grows on its own, so that what counts in a
-/// cube is at hand where its children are looked at.
+/// Cubes are split level by level until there are this many; from there on each is split on its own, down to
+/// its blocks, so that the part that counts in a cube is at hand when its children are examined.
 const MANY: usize = 512;
 /// Cubes that one thread takes at a time.
 const GROUP: usize = 8;
@@ -43,7 +43,7 @@ struct Grown<P> {
     nodes: Vec<Packed>,
     leaves: Vec<Brick>,
     parts: Vec<P>,
-    /// What many primitives add to the number of blocks.
+    /// Extra blocks counted for blocks in which many primitives are felt.
     crowd: usize,
     /// Results for the cubes' own nodes.
     roots: Vec<(u32, Packed)>,
@@ -54,10 +54,10 @@ struct Grown<P> {
     of: Vec<P>,
 }
 
-/// What cubes are looked at with.
+/// The solid and the limits with which cubes are examined.
 struct Setting<'a, S> {
     solid: &'a S,
-    /// Whether to look at what is below a cube at once.
+    /// `true` if a cube's descendants are examined together with it.
     deep: bool,
     watch: &'a Watch<'a>,
     /// The greatest number of blocks, and how many there are.
@@ -74,8 +74,8 @@ enum Look<P> {
 }
 
 impl<P: Part> Bricks<P> {
-    /// Splits cubes until they are empty or fine enough; returns those that were split, or nothing if that makes more than
-    /// `most` blocks, all told.
+    /// Splits cubes until they are empty or fine enough; returns those that were split, or nothing if that
+    /// makes more than `most` blocks in all.
     pub(super) fn grow(
         &mut self,
         solid: &impl Solid<Part = P>,
@@ -86,7 +86,7 @@ impl<P: Part> Bricks<P> {
         watch: &Watch<'_>,
     ) -> Result<Option<Vec<(IVec3, u8)>>, Cancelled> {
         let mut split = Vec::new();
-        // Whoever finds that there are too many, the sum says so.
+        // The sum over all threads, so that any of them notices when there are too many.
         let count = AtomicUsize::new(self.leaves.len() + self.crowd);
         while !cubes.is_empty() {
             let deep = cubes.len() >= MANY;

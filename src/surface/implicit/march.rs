@@ -26,7 +26,7 @@ pub(crate) enum Finish {
     Plain,
     /// Their vertices get the solid's colours.
     Colored,
-    /// They become longer, their sides off the surface by up to so many voxels.
+    /// They become longer, their sides off the surface by up to this number of voxels.
     Longer(f32),
 }
 
@@ -130,7 +130,7 @@ impl<'a, P: Part> Surroundings<'a, P> {
             found[edge as usize] = self.find(crossed, edge as usize / 4, cell(low), cell(high));
         }
         for triangle in &cases[case].triangles {
-            // Where one voxel is several corners of the cube, edges are one and the same.
+            // If one voxel is several corners of the cube, some edges coincide.
             if let [Some(a), Some(b), Some(c)] = triangle.map(|edge| found[edge as usize])
                 && a != b
                 && b != c
@@ -277,9 +277,10 @@ pub(super) fn march<P: Part>(
         },
     );
     watch.pass(0)?;
-    // What triangles do not need goes before they come.
+    // Memory that the triangles do not need is freed before they are made.
     bricks.parts = Vec::new();
-    // Closed surfaces have two triangles a vertex, less four a body and plus four a handle, of which there are few.
+    // Closed surfaces have two triangles per vertex, less four per body and plus four per handle, of which
+    // there are few.
     mesh.indices.reserve_exact(6 * vertices + vertices / 32);
     let triangles = |blocks| triangles(&bricks, &crossed, blocks, watch);
     in_groups(count, (GROUP, HELD), triangles, |part| mesh.indices.extend(part.into_flattened()));
@@ -296,7 +297,7 @@ fn longer<P: Part>(
     watch: &Watch<'_>,
 ) -> Result<Mesh, Cancelled> {
     let mut mesh = Mesh::default();
-    // Which vertices are left, 64 in each word.
+    // The vertices that are left, 64 in each word.
     let mut left = vec![0u64; vertices.div_ceil(64)];
     in_groups(
         bricks.leaves.len(),
@@ -397,8 +398,8 @@ fn triangles<P: Part>(
     triangles
 }
 
-/// Has threads make parts of `group` blocks each, and joins the parts in the blocks' order, so many at a time, while the next
-/// are made.
+/// Has threads make parts of `group` blocks each, and joins the parts in the blocks' order, `held` at a time,
+/// while the next are made.
 fn in_groups<T: Send>(
     count: usize,
     (group, held): (usize, usize),

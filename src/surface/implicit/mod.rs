@@ -25,21 +25,22 @@ use solid::Solid;
 
 /// One closed, watertight mesh of the whole tree: branches flow into each other in round fillets.
 ///
-/// The tree is an implicit surface, as in the `BlobTree` trees of Galbraith, `MacMurchy` and Wyvill 2004 (section 3):
-/// each internode is
-/// a skeletal primitive, a cone with a ball at each end, of radii interpolated along the branch. Its field is
-/// `f = 1 + (1 - d/r)/b`, at the distance d from the axis, for the radius r there and the [blend](Self::with_blend) b: 1 on
-/// its surface, 0 where the distance exceeds the radius by the blend width b·r. Along a branch the
-/// primitives are joined (the greatest f counts), and branches are blended (Ricci 1973): the surface is where the root of the
-/// sum of the squares of their f is 1. So the fillet between two branches of one radius at right angles is an arc of
-/// the blend width; nothing grows by more than that; and a branch away from others has exactly its radius.
+/// The tree is an implicit surface, as in the `BlobTree` trees of Galbraith, `MacMurchy` and Wyvill 2004
+/// (section 3): each internode is a skeletal primitive, a cone with a ball at each end, of radii interpolated
+/// along the branch. Its field is `f = 1 + (1 - d/r)/b`, at the distance d from the axis, for the radius r
+/// there and the [blend](Self::with_blend) b: 1 on its surface, 0 where the distance exceeds the radius by
+/// the blend width b·r. Along a branch the primitives are joined (the greatest f counts), and branches are
+/// blended (Ricci 1973): the surface is where the root of the sum of the squares of their f is 1. The fillet
+/// between two branches of one radius at right angles is an arc of the blend width; nothing grows by more
+/// than that; and a branch away from others has exactly its radius.
 ///
-/// What it guarantees: every side of a triangle is one of exactly two, in opposite directions, and around each vertex
-/// there is one fan of triangles; triangles have an area and face outward; vertices are within a voxel of the surface,
-/// mostly within a hundredth, and have the field's normals; the same skeleton gives the same bits at any number of threads.
-/// Branches that do not touch make one body without handles, of Euler characteristic 2; a handle appears where
-/// branches touch again, or come nearer than both's blend widths and a voxel. What it does not: there are no texture
-/// coordinates or tangents, unless [`Unwrap`](super::Unwrap) gives them; small features between two voxels' middles may be missed.
+/// Guaranteed: every side of a triangle is one of exactly two, in opposite directions, and around each vertex
+/// there is one fan of triangles; triangles have an area and face outward; vertices are within a voxel of the
+/// surface, mostly within a hundredth, and have the field's normals; the same skeleton gives the same bits at
+/// any number of threads. Branches that do not touch make one body without handles, of Euler characteristic
+/// 2; a handle appears where branches touch again, or come nearer than both's blend widths and a voxel. Not
+/// guaranteed: there are no texture coordinates or tangents, unless [`Unwrap`](super::Unwrap) gives them;
+/// small features between two voxels' middles may be missed.
 ///
 /// **Voxels** are as fine as the branches near: an octree of blocks of 4 · 4 · 4 voxels follows them, and neither empty space
 /// nor the inside of limbs is ever looked at. Marching cubes run on the dual of that octree. A branch thinner
@@ -48,9 +49,9 @@ use solid::Solid;
 /// **Far from the origin** a tree has the surface that it has at the origin, with vertices rounded to what 32-bit floats have there:
 /// 1 mm at 10 km. Where that turns over or flattens more than 2% of the surface there is an error.
 ///
-/// Time and memory grow with the voxels at the surface: 48 bytes a vertex for the mesh and about 10 on the way to it, times
-/// the primitives felt at one place. Where that is too much, [longer triangles](Self::with_error) take a fifth of it, and
-/// twice the time.
+/// Time and memory grow with the voxels at the surface: 48 bytes per vertex for the mesh and about 10 on the
+/// way to it, times the primitives felt at one place. If that is too much, [longer
+/// triangles](Self::with_error) take a fifth of it, and twice the time.
 ///
 /// ```
 /// use treesynth::{Skeleton, glam::Vec3, surface::Implicit};
@@ -100,8 +101,8 @@ impl Implicit {
         self
     }
 
-    /// The least number of voxels a radius, 0.867 to 64; default 1. Voxels are the finest one's side times the greatest
-    /// power of two that allows it. From √3/2 on, branches hold together however they lie.
+    /// The least number of voxels per radius, 0.867 to 64; default 1. Voxels are the finest one's side times
+    /// the greatest power of two that allows it. From √3/2 on, branches hold together however they lie.
     pub fn with_detail(mut self, voxels: f32) -> Self {
         self.detail = voxels;
         self
@@ -113,10 +114,11 @@ impl Implicit {
         self
     }
 
-    /// How far, in voxels there, sides of triangles may be off the surface, so that triangles are longer than a voxel and
-    /// fewer: 0 to 0.25; default 0, which leaves each within a voxel. Triangles within a voxel are off by 0.1 themselves, on
-    /// twigs of a voxel's radius. 0.15 leaves a fifth of a tree's vertices, 0.2 a seventh, at twice the time. What is
-    /// guaranteed stays, and the vertices that are left are where they were.
+    /// Greatest distance of triangles' sides from the surface, in units of the voxels there, 0 to 0.25: with
+    /// more, triangles are longer than a voxel and fewer. Default 0, which leaves each within a voxel.
+    /// Triangles within a voxel are off by 0.1 themselves, on twigs of a voxel's radius. 0.15 leaves a fifth
+    /// of a tree's vertices, 0.2 a seventh, at twice the time. The guarantees stay, and the vertices that are
+    /// left do not move.
     pub fn with_error(mut self, voxels: f32) -> Self {
         self.error = voxels;
         self
@@ -129,8 +131,8 @@ impl Implicit {
         self
     }
 
-    /// Whether vertices have [`Wind`](super::Wind): each moves with the internode that it is next to; default false. The
-    /// mesh stays closed however it blows.
+    /// Gives vertices [`Wind`](super::Wind): each moves with the internode that it is next to; default false.
+    /// The mesh stays closed however it blows.
     pub fn with_wind(mut self, wind: bool) -> Self {
         self.wind = wind;
         self
@@ -146,7 +148,7 @@ impl Implicit {
         self.mesh_observed(skeleton, &Silent)
     }
 
-    /// As [`mesh`](Self::mesh), telling `observer` how far it is and stopping when told to.
+    /// As [`mesh`](Self::mesh), reporting progress to `observer`, which can cancel the work.
     ///
     /// # Errors
     /// As [`mesh`](Self::mesh), and [`SurfaceError::Cancelled`].
@@ -207,7 +209,7 @@ impl Implicit {
     }
 }
 
-/// How fine a solid is to be seen.
+/// The voxels with which a solid is sampled.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Voxels {
     /// The side of the finest, metres; others are as long times a power of two.

@@ -6,17 +6,17 @@ use crate::observer::{Observer, Silent, Work, report};
 use crate::surface::blob::BlobTree;
 use crate::surface::{Mesh, SurfaceError, far};
 
-/// Voxels a radius where none of one side are asked for.
+/// Default voxels per radius, unless all have one side.
 const DETAIL: f32 = 8.0;
 
 /// One closed mesh of a [`BlobTree`], with its colours.
 ///
-/// Voxels are all of one side if a [voxel](Self::with_voxel) is asked for; with a [detail](Self::with_detail) they are as fine as
-/// the features near them: a part of the radius of the primitives that are felt there, finer still where parts press on each
-/// other, but never finer than the finest. The method and what it guarantees are those of
-/// [`Implicit`](super::Implicit): every side of a triangle is one of exactly two, around each vertex there is one fan, the same
-/// bits come at any number of threads. Creases are cut off by a part of a voxel. What is thinner than a voxel may break into
-/// pieces or be missed, each piece closed.
+/// Voxels are all of one side if a [voxel](Self::with_voxel) is asked for; with a [detail](Self::with_detail)
+/// they are as fine as the features near them: a part of the radius of the primitives that are felt there,
+/// finer still where parts press on each other, but never finer than the finest. The method and what it
+/// guarantees are those of [`Implicit`](super::Implicit): every side of a triangle is one of exactly two,
+/// around each vertex there is one fan, the same bits come at any number of threads. Creases are cut off by a
+/// part of a voxel. Features thinner than a voxel may break into pieces or be missed; each piece is closed.
 ///
 /// Time and memory grow with the voxels at the surface, times the primitives felt at one place.
 ///
@@ -45,7 +45,8 @@ crate::recipe::readable!(Polygonizer {
 });
 
 impl Default for Polygonizer {
-    /// Eight voxels a radius, the finest 1/1024 of the longest side of the solid's box; colours; at most two million blocks.
+    /// Eight voxels per radius, the finest 1/1024 of the longest side of the solid's box; colours; at most
+    /// two million blocks.
     fn default() -> Self {
         Self { voxel: None, detail: None, most_blocks: 2_000_000, colors: true }
     }
@@ -59,10 +60,10 @@ impl Polygonizer {
         self
     }
 
-    /// The least number of voxels a radius of the primitives felt at a place, 0.867 to 64: voxels are the finest one's side times
-    /// the greatest power of two that allows it. Triangles are few where it is thick, and a ball loses 0.7% of its volume with 8
-    /// voxels a radius, 3% with 4, a quarter with 1. Default: 8, or voxels all of one side if a [voxel](Self::with_voxel) is
-    /// asked for.
+    /// The least number of voxels per radius of the primitives felt at a place, 0.867 to 64: voxels are the
+    /// finest one's side times the greatest power of two that allows it. Triangles are few where it is thick,
+    /// and a ball loses 0.7% of its volume with 8 voxels per radius, 3% with 4, a quarter with 1. Default: 8,
+    /// or voxels all of one side if a [voxel](Self::with_voxel) is asked for.
     pub fn with_detail(mut self, voxels: f32) -> Self {
         self.detail = Some(voxels);
         self
@@ -75,7 +76,7 @@ impl Polygonizer {
         self
     }
 
-    /// Whether [`Mesh::colors`] are filled, which are absolute: draw and write them with
+    /// Fills [`Mesh::colors`], which are absolute: draw and write them with
     /// [`Material::white`](crate::surface::Material::white), as by
     /// [`GlbOptions::with_material`](crate::export::GlbOptions::with_material). Default true.
     pub fn with_colors(mut self, colors: bool) -> Self {
@@ -92,7 +93,7 @@ impl Polygonizer {
         self.mesh_observed(tree, &Silent)
     }
 
-    /// As [`mesh`](Self::mesh), telling `observer` how far it is and stopping when told to.
+    /// As [`mesh`](Self::mesh), reporting progress to `observer`, which can cancel the work.
     ///
     /// # Errors
     /// As [`mesh`](Self::mesh), and [`SurfaceError::Cancelled`].

@@ -1,4 +1,4 @@
-//! What a polygonizer or a ray caster asks of an implicit surface.
+//! The interface of an implicit surface for polygonizers and ray casters.
 
 use super::span::{Passage, Span};
 use crate::Bounds;
@@ -6,8 +6,8 @@ use glam::Vec3;
 
 /// A solid bounded by an implicit surface: its value is 0 on the surface, above 0 inside, below 0 outside.
 ///
-/// Nobody evaluates a solid as a whole: it is asked for the [part](Solid::part) of it that counts within a cube, then for
-/// the part of that within a smaller one, and so on down an octree. Parts are evaluated.
+/// A solid is never evaluated as a whole. It gives the [part](Solid::part) of it that counts within a cube,
+/// then the part of that within a smaller cube, and so on down an octree. Parts are evaluated.
 pub(crate) trait Solid: Sync {
     /// Part of it that counts within a cube.
     type Part: Part;
@@ -30,7 +30,7 @@ pub(crate) enum Coverage<P> {
     Crossed(P),
 }
 
-/// So many primitives or operators are as much work as a cube of their own.
+/// Number of primitives or operators that are as much work as one more cube.
 pub(crate) const CROWD: usize = 32;
 
 /// Part of a [`Solid`] that counts within a cube: there its values and gradients are the whole's, to the bit.
@@ -38,11 +38,12 @@ pub(crate) trait Part: Send + Sync {
     /// The value at a point of the cube.
     fn value(&self, point: Vec3) -> f32;
 
-    /// The value and its gradient, a metre, at a point of the cube. Of length 0 only where there is none.
+    /// The value and its gradient, per metre, at a point of the cube. The gradient has length 0 only where
+    /// there is none.
     fn gradient(&self, point: Vec3) -> (f32, Vec3);
 
-    /// The values at 4 · 4 · 4 points of the cube: entry `x + 4y + 16z` is that of the point so many steps of `step`
-    /// metres along x, y and z from `start`.
+    /// The values at 4 · 4 · 4 points of the cube: entry `x + 4y + 16z` is that of the point x, y and z steps
+    /// of `step` metres along the axes from `start`.
     fn sample(&self, start: Vec3, step: f32) -> [f32; 64] {
         std::array::from_fn(|i| {
             let offset = Vec3::new((i & 3) as f32, (i >> 2 & 3) as f32, (i >> 4) as f32);
@@ -50,7 +51,8 @@ pub(crate) trait Part: Send + Sync {
         })
     }
 
-    /// Between which places of a passage within the cube its values may be 0 or above; `None` if nowhere.
+    /// The places of a passage within the cube between which its values may be 0 or above; `None` if there
+    /// are none.
     #[cfg_attr(not(feature = "preview"), allow(dead_code, reason = "only rays ask"))]
     fn span(&self, passage: &Passage) -> Option<Span> {
         Some((0.0, passage.length))
@@ -67,6 +69,6 @@ pub(crate) trait Part: Send + Sync {
         1
     }
 
-    /// No value within the cube changes by more than this a metre.
+    /// No value within the cube changes by more than this per metre.
     fn lipschitz(&self) -> f32;
 }

@@ -23,7 +23,7 @@ pub(super) fn polygonize(
 enum Form {
     /// The union of balls: middles and radii. Each is to be seen in voxels of an eighth of its radius.
     Balls(Vec<(Vec3, f32)>),
-    /// About the y axis.
+    /// A torus about the y axis.
     Torus { radius: f32, thickness: f32 },
     /// A cuboid of that half size: the least of six planes.
     Cuboid(Vec3),

@@ -1,4 +1,4 @@
-//! Where a ray may meet something.
+//! Parts of a ray in which it may meet something.
 
 use glam::Vec3;
 
@@ -19,8 +19,8 @@ pub(crate) struct Passage {
 pub(crate) type Span = (f32, f32);
 
 impl Passage {
-    /// Where it is within `reach` of the line `from + axis * s`, s from 0 to 1, or a little beyond that. `inverse` is one over
-    /// the axis' square, or 0 for a point.
+    /// The part of it that is within `reach` of the line `from + axis * s`, s from 0 to 1, or a little beyond
+    /// that. `inverse` is one over the axis' square, or 0 for a point.
     pub(crate) fn near(&self, from: Vec3, axis: Vec3, inverse: f32, reach: f32) -> Option<Span> {
         let rounding = self.origin.abs().max_element() + from.abs().max_element() + axis.abs().max_element();
         let reach = 1.01 * reach + ROUNDING * rounding;
@@ -55,7 +55,7 @@ impl Passage {
     }
 }
 
-/// From the first to the last of what some spans have.
+/// The span from the first to the last place of some spans.
 pub(crate) fn hull(spans: impl Iterator<Item = Option<Span>>) -> Option<Span> {
     spans.flatten().reduce(|all, next| (all.0.min(next.0), all.1.max(next.1)))
 }

@@ -1,4 +1,4 @@
-//! Where the surface crosses an edge between two voxels.
+//! The point at which the surface crosses an edge between two voxels.
 
 use super::brick::{Brick, Bricks, Place, STEPS, voxel};
 use super::solid::Part;
@@ -6,7 +6,7 @@ use glam::Vec3;
 
 /// Vertices keep this share of an edge's length from its ends, so that triangles have an area.
 const MARGIN: f32 = 1.0 / 32.0;
-/// A vertex may be so many parts of its edge off the surface.
+/// Greatest distance of a vertex from the surface, as a share of its edge.
 const OFF: f32 = 0.01;
 
 /// A block whose vertices are wanted.
@@ -24,7 +24,8 @@ impl<'a, P: Part> Crossings<'a, P> {
         Self { bricks, number, brick, beside: bricks.beside(brick), values: bricks.sample(number as usize) }
     }
 
-    /// Where the surface crosses the edge from a voxel to its neighbour, its normal there, and what counts there.
+    /// The point at which the surface crosses the edge from a voxel to its neighbour, its normal there, and
+    /// the part of the solid that counts there.
     pub(super) fn vertex(&self, direction: usize, cell: u32) -> (Vec3, Vec3, &'a P) {
         let beyond = voxel(cell) + STEPS[direction];
         let own = Place::Same(self.number);

@@ -75,7 +75,7 @@ fn radii_are_the_skeletons() {
 }
 
 #[test]
-fn a_branch_starts_at_its_bearing_node_with_its_own_radius() {
+fn a_branch_starts_at_its_parent_node_with_its_own_radius() {
     let y = |y: f32| Vec3::new(0.0, y, 0.0);
     let twig = Skeleton::new(
         vec![y(0.0), y(1.0), y(2.0), y(3.0), Vec3::new(1.0, 1.0, 0.0)],
@@ -164,8 +164,8 @@ proptest! {
         }
     }
 
-    /// In a crotch of less than a right angle the faces of bearer and branch look at each other, and what blends one
-    /// into the other agrees with neither.
+    /// In a crotch of less than a right angle the faces of parent branch and branch face each other, and the
+    /// fillet between them agrees with neither.
     #[test]
     fn normals_agree_with_triangles(radius in 0.01f32..0.09, angle in 1.1f32..2.0) {
         let mesh = mesh_with(&Tubes::default(), &fork(radius, angle));
@@ -202,12 +202,12 @@ proptest! {
     }
 
     #[test]
-    fn a_collar_starts_within_its_bearer_and_ends_outside(radius in 0.005f32..0.09, angle in 0.5f32..2.6) {
+    fn a_collar_starts_within_its_parent_branch_and_ends_outside(radius in 0.005f32..0.09, angle in 0.5f32..2.6) {
         let skeleton = fork(radius, angle);
         let tubes = Tubes::default().with_root_flare(0.0);
         let mesh = mesh_with(&tubes, &skeleton);
         let sides = tubes.sides_of(radius, 0.1) as usize;
-        // The trunk: a ring a node, the dome and the apex.
+        // The trunk: a ring per node, the dome and the apex.
         let branch = &mesh.positions[8 * 13 + 13 + 1..];
         let distance = |position: &Vec3| position.with_y(0.0).length();
         for (position, normal) in branch.iter().zip(&mesh.normals[8 * 13 + 13 + 1..]).take(sides) {

@@ -1,11 +1,11 @@
-//! What holds for the coordinates of every triangle.
+//! Properties of the coordinates of every triangle.
 
 use super::*;
 use crate::presets;
 use crate::surface::Implicit;
 
 struct Measured {
-    /// By area: stretch and density of each triangle, sorted.
+    /// Stretch of each triangle and its area, sorted by stretch; then the same of density.
     stretch: Vec<(f32, f32)>,
     density: Vec<(f32, f32)>,
     doubled: f32,

@@ -154,7 +154,7 @@ proptest! {
         let shape = GuidanceShape::in_volume(&shape, count, seed).unwrap();
         let synth = VariationalSynth::new(shape.clone()).with_levels([trunk, branch, branch]).with_weights(lambda, mu);
         let growth = synth.grow(seed, &Silent).unwrap();
-        hold(&growth, &shape)?;
+        check_growth(&growth, &shape)?;
     }
 }
 
@@ -172,7 +172,7 @@ fn any_level() -> impl Strategy<Value = Level> {
 }
 
 /// What every growth promises.
-fn hold(growth: &Growth, shape: &GuidanceShape) -> Result<(), TestCaseError> {
+fn check_growth(growth: &Growth, shape: &GuidanceShape) -> Result<(), TestCaseError> {
     let tree = &growth.skeleton;
     prop_assert_eq!(tree.check(), Ok(()));
     prop_assert_eq!(&tree.positions()[growth.branch_nodes..], shape.positions());
@@ -292,7 +292,7 @@ fn every_preset_costs_less_than_a_star_and_a_spanning_tree() {
         let synth = preset.synth(600).expect("600 shape nodes");
         let shape = synth.shape();
         let growth = synth.grow(preset.seed, &Silent).expect("a tree");
-        hold(&growth, shape).unwrap_or_else(|error| panic!("{}: {error}", preset.name));
+        check_growth(&growth, shape).unwrap_or_else(|error| panic!("{}: {error}", preset.name));
         assert!(overreach(&growth, shape) <= 1.1, "{}: {}", preset.name, overreach(&growth, shape));
         let tree = &growth.skeleton;
         let parents: Vec<usize> = (0..tree.len()).map(|node| tree.parent(node).unwrap_or(0)).collect();
@@ -501,14 +501,14 @@ fn odd_shapes_grow() -> Result<(), VariationalError> {
     let pair = vec![Vec3::Y, Vec3::X];
     for points in [line, plane, tiny, pair] {
         let shape = GuidanceShape::from_points(points, 0.1);
-        hold(&VariationalSynth::new(shape.clone()).grow(1, &Silent)?, &shape).expect("promises");
+        check_growth(&VariationalSynth::new(shape.clone()).grow(1, &Silent)?, &shape).expect("promises");
     }
     let ball = Sphere::new(Vec3::Y * 3.0, 1.0);
     let shape = GuidanceShape::on_surface(&ball, 200, 1)?;
     for root in [Vec3::Y * 3.0, Vec3::Y * 10.0, Vec3::X * 100.0, shape.positions()[7]] {
         let synth = VariationalSynth::new(shape.clone()).with_root(root);
         let growth = synth.grow(1, &Silent)?;
-        hold(&growth, &shape).expect("promises");
+        check_growth(&growth, &shape).expect("promises");
         assert_eq!(growth.skeleton.positions()[0], root);
     }
     Ok(())

@@ -16,8 +16,8 @@ use super::{MeshFormat, unreadable};
 use crate::shape::TriangleMeshError;
 use crate::text::{BYTE_ORDER_MARK, quoted, stranger};
 
-/// Instances and nodes that share a mesh may make more vertices and corners than the file has bytes; so many at most, or as
-/// many as the file has bytes.
+/// Limit of vertices and corners where it is above the file's number of bytes: instances and nodes that share
+/// a mesh may make more of them than the file has bytes.
 const MOST_CORNERS: usize = 30_000_000;
 
 /// The deepest tree of nodes.
@@ -27,7 +27,7 @@ const TRIANGLES: u64 = 4;
 const STRIP: u64 = 5;
 const FAN: u64 = 6;
 
-/// `folder` is where buffers beside the file are; without it they are refused.
+/// `folder` is the folder of the file's external buffers; without it they are refused.
 pub(super) fn read(
     mut reader: impl BufRead,
     folder: Option<&Path>,
@@ -175,7 +175,7 @@ impl Scene<'_> {
         Ok(())
     }
 
-    /// Counts so many copies of a mesh.
+    /// Counts `copies` copies of a mesh, and refuses those above the limit.
     fn afford(&mut self, mesh: usize, copies: usize) -> Result<(), TriangleMeshError> {
         let count = |accessor: Option<usize>| {
             accessor

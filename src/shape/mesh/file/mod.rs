@@ -166,8 +166,8 @@ impl Import {
 impl TriangleMesh {
     /// All objects of a Wavefront OBJ file as one solid, as [`Import`] reads it by default.
     ///
-    /// Of its statements `v` and `f` count; a weight or a colour behind a position does not. Faces may name vertices that
-    /// come later.
+    /// Only its statements `v` and `f` are read; a weight or a colour after a position is ignored. Faces may
+    /// name vertices that come later.
     ///
     /// # Errors
     /// As [`Import::read`].
@@ -179,7 +179,7 @@ impl TriangleMesh {
 
     /// All solids of an STL file, binary or text, as one, as [`Import`] reads it by default.
     ///
-    /// A file is binary if its length says so: 84 bytes and 50 a triangle. Normals do not count.
+    /// A file is binary if its length says so: 84 bytes and 50 per triangle. Normals do not count.
     ///
     /// # Errors
     /// As [`Import::read`].

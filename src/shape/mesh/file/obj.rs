@@ -11,7 +11,7 @@ use super::{MeshFormat, unreadable};
 use crate::shape::TriangleMeshError;
 use crate::text::{Lines, number, quoted, stranger, words};
 
-/// How many lines there were of each kind that faces name.
+/// Number of lines so far of each kind to which faces refer.
 #[derive(Default)]
 struct Counts {
     positions: i64,
@@ -137,7 +137,8 @@ fn corner(word: &[u8], counts: &Counts) -> Result<i64, String> {
     };
     let vertex = absolute(parts.next().unwrap_or_default(), "v", counts.positions)?;
     for (part, kind, count) in [(parts.next(), "vt", counts.texture), (parts.next(), "vn", counts.normals)] {
-        // What they name does not matter, but one that counts back to nothing says that the file is not what it was.
+        // Their targets do not matter, but one that counts back beyond the first shows that the file is
+        // damaged.
         if let Some(part) = part.filter(|part| part.first() == Some(&b'-')) {
             absolute(part, kind, count)?;
         }

@@ -1,8 +1,9 @@
 //! Polygons cut into triangles, by ears.
 //!
-//! Two rules make this more than a fan, and more than what crates for ear cutting do. No corner is left out, not even one
-//! in the middle of a straight side: a neighbouring polygon may meet it there, and the surface would gape. And no corner is
-//! added or moved, since vertices are shared. So every polygon of n corners becomes n - 2 triangles of its own corners.
+//! Two rules make this more than a fan, and more than what crates for ear cutting do. No corner is left out,
+//! not even one in the middle of a straight side: a neighbouring polygon may meet it there, and the surface
+//! would gape. And no corner is added or moved, since vertices are shared. Every polygon of n corners
+//! therefore becomes n - 2 triangles of its own corners.
 
 use std::collections::VecDeque;
 
@@ -69,7 +70,7 @@ fn turn(a: DVec2, b: DVec2, c: DVec2) -> f64 {
     (b - a).perp_dot(c - a)
 }
 
-/// Whether all corners turn left and the polygon goes around once.
+/// `true` if all corners turn left and the polygon goes around once.
 fn is_convex(flat: &[DVec2]) -> bool {
     let count = flat.len();
     let at = |i: usize| flat[i % count];
@@ -122,7 +123,8 @@ impl<'a> Ears<'a> {
         turn(self.flat[self.previous[i]], self.flat[i], self.flat[self.next[i]])
     }
 
-    /// Whether the triangle at corner `i` can be cut off: it has an area, and no other corner in it or on its cut.
+    /// `true` if the triangle at corner `i` can be cut off: it has an area, and no other corner in it or on
+    /// its cut.
     fn is_ear(&mut self, i: usize) -> bool {
         if self.turn_at(i) <= 0.0 {
             return false;
@@ -150,7 +152,7 @@ impl<'a> Ears<'a> {
     fn cut(mut self, triangle: &mut impl FnMut([usize; 3])) -> bool {
         let mut left = self.flat.len();
         let mut waiting: VecDeque<usize> = (0..left).collect();
-        // Whether an ear was cut since all corners were asked, and a corner that is left.
+        // `true` if an ear was cut since all corners were tried; and a corner that is left.
         let (mut progress, mut any) = (false, 0);
         while left > 3 {
             self.tests += 1;

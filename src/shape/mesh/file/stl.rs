@@ -1,8 +1,9 @@
 //! STL, binary and text.
 //!
-//! Binary: a header of 80 bytes, a count, and 50 bytes a triangle. Text: solids of facets, each with a loop of vertices;
-//! readers in use take keywords in any case and names of any bytes. Specification: the `StereoLithography` Interface
-//! Specification of 3D Systems, 1988, as <https://www.fabbers.com/tech/STL_Format> gives it.
+//! Binary: a header of 80 bytes, a count, and 50 bytes per triangle. Text: solids of facets, each with a loop
+//! of vertices; readers in use take keywords in any case and names of any bytes. Specification: the
+//! `StereoLithography` Interface Specification of 3D Systems, 1988, as
+//! <https://www.fabbers.com/tech/STL_Format> gives it.
 
 use std::io::{self, BufRead, BufReader, Read, Seek, SeekFrom};
 
@@ -36,7 +37,7 @@ pub(super) fn read(mut reader: impl Read + Seek, soup: &mut Soup) -> Result<(), 
     }
     if length < HEADER {
         let problem = format!(
-            "the file has {length} bytes and is no text; a text begins with \"solid\", and a binary file has 84 bytes and 50 a triangle"
+            "the file has {length} bytes and is no text; a text begins with \"solid\", and a binary file has 84 bytes and 50 per triangle"
         );
         return Err(fault("byte 0", problem));
     }
@@ -71,7 +72,7 @@ fn begin(reader: &mut (impl Read + Seek)) -> io::Result<(u64, Vec<u8>)> {
     Ok((length, start))
 }
 
-/// Whether a file begins as a text does that is an STL file, or was meant to be one.
+/// `true` if a file begins like a text: one that is an STL file, or was meant to be one.
 fn is_text(start: &[u8]) -> bool {
     let start = start.strip_prefix(BYTE_ORDER_MARK).unwrap_or(start);
     start.iter().all(|&byte| byte >= b' ' || byte.is_ascii_whitespace() || byte == 0x0B || byte == 0x1A)
@@ -122,7 +123,7 @@ fn text(reader: impl BufRead, soup: &mut Soup) -> Result<(), TriangleMeshError> 
                 loose = 0;
             }
             match &keyword[..] {
-                // What follows is a name, of any words.
+                // A name of any words follows.
                 b"solid" | b"endsolid" => {
                     begun = true;
                     ended = keyword.starts_with(b"end");
@@ -150,7 +151,7 @@ fn text(reader: impl BufRead, soup: &mut Soup) -> Result<(), TriangleMeshError> 
                 _ => {
                     let found = quoted(lines.line().trim_ascii());
                     return Err(fault(format!(
-                        "the file is a text that begins with {found}, but must begin with \"solid\"; its length is not that of a binary file, 84 bytes and 50 a triangle"
+                        "the file is a text that begins with {found}, but must begin with \"solid\"; its length is not that of a binary file, 84 bytes and 50 per triangle"
                     )));
                 }
             }

@@ -1,4 +1,4 @@
-//! What the JSON of a glTF file says, so far as shapes need it.
+//! The JSON of a glTF file, as far as shapes need it.
 
 use glam::{DMat4, DQuat, DVec3};
 use serde::Deserialize;
