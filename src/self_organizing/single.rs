@@ -154,6 +154,11 @@ impl<E: Environment> SelfOrganizing<E> {
         self.forest.environment()
     }
 
+    /// Changes the environment between seasons; see [`Forest::environment_mut`].
+    pub fn environment_mut<T>(&mut self, change: impl FnOnce(&mut E) -> T) -> T {
+        self.forest.environment_mut(change)
+    }
+
     /// What [`with_most_metamers`](Self::with_most_metamers) sets.
     pub fn most_metamers(&self) -> usize {
         self.forest.most_metamers()

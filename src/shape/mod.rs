@@ -12,6 +12,7 @@
 //! check holds is unspecified, but using it neither panics nor hangs, and samples are still finite points of it.
 
 mod bounds;
+mod brush;
 mod combine;
 mod cone;
 mod cuboid;
@@ -28,6 +29,7 @@ mod tests;
 mod up;
 
 pub use bounds::Bounds;
+pub use brush::Brush;
 pub use combine::{Difference, Intersection, Translated, Union};
 pub use cone::{Cone, Cylinder};
 pub use cuboid::Cuboid;

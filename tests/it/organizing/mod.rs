@@ -6,10 +6,12 @@ mod growth;
 mod light;
 mod parts;
 mod room;
+mod sag;
 #[cfg(feature = "json")]
 mod saved;
 mod space;
 mod stands;
+mod sun;
 
 use crate::sample::fnv1a;
 use treesynth::self_organizing::{Environment, Forest};
