@@ -47,7 +47,7 @@ pub use found::{Found, PresetError, System, all, by_name};
 pub use grown::{Grown, grown};
 pub use look::Season;
 pub use organized::{WALL, stands};
-pub use painted::spaces;
+pub use painted::{spaces, strokes};
 pub use stand::Stand;
 
 use crate::foliage::Foliage;

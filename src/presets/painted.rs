@@ -22,7 +22,7 @@ const SPACES: &[Stand<SpaceColonization>] = &[
         "space-brush",
         "Three strokes of a brush, the later ones painted while it grows.",
         36,
-        |seed| colony(&stroke(0), seed),
+        |seed| colony(&strokes()[0], seed),
     )
     .tended(|forest| {
         let next = match forest.season() {
@@ -30,8 +30,8 @@ const SPACES: &[Stand<SpaceColonization>] = &[
             18 => 2,
             _ => return Ok(()),
         };
-        let stroke = stroke(next);
-        forest.environment_mut(|space| space.add_shape(&stroke, count(&stroke), next as u64))?;
+        let stroke = &strokes()[next];
+        forest.environment_mut(|space| space.add_shape(stroke, count(stroke), next as u64))?;
         Ok(())
     }),
 ];
@@ -58,14 +58,11 @@ fn colony(shape: &dyn Shape, seed: u64) -> Result<Forest<SpaceColonization>, For
 }
 
 /// What the brush of `space-brush` paints: a stem that bends over to the right, a limb to the left, one upwards.
-///
-/// # Panics
-/// There are three.
-pub(super) fn stroke(index: usize) -> Brush {
+pub fn strokes() -> [Brush; 3] {
     let points: [&[[f32; 3]]; 3] = [
         &[[0.0, 0.0, 0.0], [0.0, 1.2, 0.0], [0.5, 2.2, 0.1], [1.6, 2.7, 0.3], [2.6, 2.5, 0.3]],
         &[[0.1, 1.4, 0.0], [-0.7, 2.1, -0.2], [-1.8, 2.4, -0.4], [-2.5, 3.0, -0.4]],
         &[[0.5, 2.2, 0.1], [0.5, 3.2, 0.0], [0.1, 4.2, 0.0]],
     ];
-    Brush::new(points[index].iter().map(|&point| Vec3::from_array(point)).collect(), 0.4)
+    points.map(|points| Brush::new(points.iter().map(|&point| Vec3::from_array(point)).collect(), 0.4))
 }

@@ -20,6 +20,7 @@ mod forest;
 mod garden;
 mod grid;
 mod habit;
+mod lapse;
 mod offspring;
 mod pass;
 mod phyllotaxis;

@@ -3,6 +3,7 @@
 mod axes;
 mod garden;
 mod growth;
+mod lapse;
 mod light;
 mod parts;
 mod room;
@@ -12,6 +13,7 @@ mod saved;
 mod space;
 mod stands;
 mod sun;
+mod tended;
 
 use crate::sample::fnv1a;
 use treesynth::self_organizing::{Environment, Forest};
