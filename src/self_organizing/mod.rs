@@ -13,6 +13,8 @@
 
 mod axis;
 mod colonization;
+#[cfg(feature = "json")]
+mod compact;
 mod cut;
 mod daylight;
 mod environment;
@@ -43,6 +45,8 @@ mod width;
 
 pub use axis::Axis;
 pub use colonization::SpaceColonization;
+#[cfg(feature = "json")]
+pub use compact::ReadForestError;
 pub use cut::Regrowth;
 pub use daylight::Daylight;
 pub use environment::{Bud, Environment};
