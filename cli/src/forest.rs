@@ -83,9 +83,7 @@ pub(crate) fn run(options: &Options, common: &Common) -> Result<(), Failure> {
         ];
         let other = others.iter().find(|(_, is_given)| *is_given).map(|(name, _)| (*name).to_owned());
         return match other.or(options.wish.first().map(|name| format!("--{name}"))) {
-            Some(option) => {
-                Err(refused(format!("{option} goes with species, but {name:?} is a stand")))
-            }
+            Some(option) => Err(refused(format!("{option} goes with species, but {name:?} is a stand"))),
             None => match found[0] {
                 Found::Space(stand) => options.stand(stand, common),
                 found => options.stand(found.stand().map_err(refused)?, common),
@@ -135,7 +133,8 @@ impl Options {
         let parts: Vec<Vec<Part<'_>>> = looks.iter().map(|look| look.parts().collect()).collect();
         let ground = stand.ground(bounds);
         let earth = Material::bark().with_srgb([150, 142, 120]);
-        let under = ground.as_ref().map(|mesh| vec![Part::new(mesh).with_name("ground").with_material(earth)]);
+        let under =
+            ground.as_ref().map(|mesh| vec![Part::new(mesh).with_name("ground").with_material(earth)]);
         let scene = parts
             .iter()
             .chain(&under)
@@ -146,7 +145,10 @@ impl Options {
             // Grown twice, for the pictures of the seasons are framed as the last one is: to keep all seasons' trees would
             // take gigabytes.
             let side = self.out.size.min(480);
-            let camera = Camera::default().with_frame(bounds);
+            // From higher up than a slope is steep.
+            let camera =
+                if ground.is_some() { Camera::default().with_elevation(0.6) } else { Camera::default() };
+            let camera = camera.with_frame(bounds);
             let preview = Preview::default().with_camera(camera).with_size(side, side);
             let preview = if ground.is_some() { preview } else { preview.with_ground_height(0.0) };
             let (mut again, mut frames) = (planted, Vec::new());

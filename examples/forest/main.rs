@@ -64,18 +64,20 @@ fn grow<E: Environment + Clone>(stand: &Stand<E>, options: &Options) -> Result<(
     let bounds = last.iter().filter_map(|look| look.mesh.bounds()).reduce(Bounds::union);
     let bounds = bounds.ok_or_else(|| format!("nothing has sprouted after --seasons {seasons}"))?;
     let ground = stand.ground(bounds);
+    // From higher up than a slope is steep.
+    let front = if ground.is_some() { Camera::default().with_elevation(0.6) } else { Camera::default() };
     let under = || ground.iter().map(|mesh| Part::new(mesh).with_name("ground").with_material(earth()));
     {
         let parts: Vec<Part<'_>> = last.iter().flat_map(Look::parts).chain(under()).collect();
         outputs.write(&file("glb"), |writer| Ok(write_glb_parts(&parts, &glb, writer)?))?;
-        let picture = Preview::default().with_size(800, 800).draw_parts(&parts)?;
+        let picture = Preview::default().with_size(800, 800).with_camera(front.clone()).draw_parts(&parts)?;
         outputs.write(&file("png"), |writer| Ok(picture.write_png(writer)?))?;
-        let aside = Preview::default().with_size(800, 800).with_camera(Camera::default().with_azimuth(2.2));
+        let aside = Preview::default().with_size(800, 800).with_camera(front.clone().with_azimuth(2.2));
         outputs.write(&file("side.png"), |writer| Ok(aside.draw_parts(&parts)?.write_png(writer)?))?;
     }
     drop(last);
 
-    let camera = Camera::default().with_frame(bounds);
+    let camera = front.with_frame(bounds);
     let preview = Preview::default().with_camera(camera).with_size(options.size, options.size);
     let preview = if ground.is_some() { preview } else { preview.with_ground_height(0.0) };
     let (mut again, mut frames) = (planted, Vec::new());

@@ -4,7 +4,7 @@ use super::common::Failure;
 use treesynth::Bounds;
 use treesynth::foliage::Leaves;
 use treesynth::presets::{Season, Stand};
-use treesynth::preview::{Picture, Preview};
+use treesynth::preview::{Camera, Picture, Preview};
 use treesynth::self_organizing::Environment;
 use treesynth::surface::{Material, Mesh, Part, Tubes};
 
@@ -26,8 +26,13 @@ pub(crate) fn draw<E: Environment>(stand: &Stand<E>, season: Season, size: u32) 
     let parts: Vec<Part<'_>> =
         parts.into_iter().chain(ground.iter().map(|mesh| Part::new(mesh).with_material(earth))).collect();
     let paper = [0.97, 0.965, 0.955];
-    let mut picture =
-        Preview::default().with_size(size, size).with_background(paper, paper).draw_parts(&parts)?;
+    // From higher up than the slope is steep.
+    let camera = if ground.is_some() { Camera::default().with_elevation(0.6) } else { Camera::default() };
+    let mut picture = Preview::default()
+        .with_camera(camera)
+        .with_size(size, size)
+        .with_background(paper, paper)
+        .draw_parts(&parts)?;
     picture.label(stand.name, 6, 6, 1, [60, 60, 60]);
     Ok(picture)
 }

@@ -92,49 +92,50 @@ impl<E: Environment> Stand<E> {
         (self.tend)(forest)
     }
 
-    /// The ground below `bounds` as a mesh, where it is not the level y = 0.
+    /// The ground below `bounds` as a mesh, where it is not the level y = 0: a block whose top is the ground.
     pub fn ground(&self, bounds: Bounds) -> Option<Mesh> {
-        let height = self.ground?;
-        let half = 0.55 * bounds.size().with_y(0.0).max_element().max(1.0);
-        let (middle, step) = (bounds.center(), 2.0 * half / SQUARES as f32);
-        let at = |x: f32, z: f32| Vec3::new(x, height(x, z), z);
-        let (mut positions, mut normals, mut indices) = (Vec::new(), Vec::new(), Vec::new());
-        for row in 0..=SQUARES {
-            for column in 0..=SQUARES {
-                let x = middle.x - half + column as f32 * step;
-                let z = middle.z - half + row as f32 * step;
-                let (along, across) = (at(x + 0.1, z) - at(x - 0.1, z), at(x, z + 0.1) - at(x, z - 0.1));
-                positions.push(at(x, z));
-                normals.push(across.cross(along).normalize_or(Vec3::Y));
-                if row < SQUARES && column < SQUARES {
-                    let first = row * (SQUARES + 1) + column;
-                    let below = first + SQUARES + 1;
-                    indices.extend([first, below, first + 1, first + 1, below, below + 1]);
-                }
+        self.ground.map(|height| block(height, bounds))
+    }
+}
+
+fn block(height: fn(f32, f32) -> f32, bounds: Bounds) -> Mesh {
+    let half = 0.55 * bounds.size().with_y(0.0).max_element().max(1.0);
+    let (middle, step) = (bounds.center(), 2.0 * half / SQUARES as f32);
+    let at = |x: f32, z: f32| Vec3::new(x, height(x, z), z);
+    let (mut positions, mut normals, mut indices) = (Vec::new(), Vec::new(), Vec::new());
+    for row in 0..=SQUARES {
+        for column in 0..=SQUARES {
+            let x = middle.x - half + column as f32 * step;
+            let z = middle.z - half + row as f32 * step;
+            let (along, across) = (at(x + 0.1, z) - at(x - 0.1, z), at(x, z + 0.1) - at(x, z - 0.1));
+            positions.push(at(x, z));
+            normals.push(across.cross(along).normalize_or(Vec3::Y));
+            if row < SQUARES && column < SQUARES {
+                let first = row * (SQUARES + 1) + column;
+                let below = first + SQUARES + 1;
+                indices.extend([first, below, first + 1, first + 1, below, below + 1]);
             }
         }
-        Some(Mesh::new(positions, normals, indices))
     }
-
-    /// The leaves of all its trees; `None` in winter. [`leaves`](Self::leaves) puts them where the text's rule has them.
-    pub fn foliage(&self, season: Season) -> Option<Foliage> {
-        look::HORNBEAM.foliage(season)
+    // Walls around it, down to below its lowest point.
+    let low = positions.iter().map(|place| place.y).fold(f32::INFINITY, f32::min) - 0.05 * half;
+    let place = |column: u32, row: u32| (row * (SQUARES + 1) + column) as usize;
+    let ends = (0..SQUARES).flat_map(|i| {
+        let last = SQUARES - i;
+        [
+            [place(i, 0), place(i + 1, 0)],
+            [place(SQUARES, i), place(SQUARES, i + 1)],
+            [place(last, SQUARES), place(last - 1, SQUARES)],
+            [place(0, last), place(0, last - 1)],
+        ]
+    });
+    for [one, other] in ends {
+        let (a, b) = (positions[one], positions[other]);
+        let outwards = (b - a).cross(Vec3::NEG_Y).normalize_or(Vec3::X);
+        let first = positions.len() as u32;
+        positions.extend([a, b, b.with_y(low), a.with_y(low)]);
+        normals.extend([outwards; 4]);
+        indices.extend([first, first + 1, first + 2, first, first + 2, first + 3]);
     }
-
-    /// The leaves of one of its trees: where the text's rule ([`Tree::leafy`]) has them, on metamers that begin at
-    /// least four nodes from the foot and carry fewer than 30 buds. None in winter.
-    ///
-    /// # Errors
-    /// As [`Foliage::place`](crate::foliage::Foliage::place): a skeleton without radii, say.
-    pub fn leaves(
-        &self,
-        tree: &Tree,
-        skeleton: &Skeleton,
-        season: Season,
-    ) -> Result<Option<Leaves>, FoliageError> {
-        let Some(foliage) = self.foliage(season) else { return Ok(None) };
-        let (mut leaves, leafy) = (foliage.place(skeleton, self.seed)?, tree.leafy(30, 4));
-        leaves.instances.retain(|leaf| leafy.get(leaf.node as usize) == Some(&true));
-        Ok(Some(leaves))
-    }
+    Mesh::new(positions, normals, indices)
 }
