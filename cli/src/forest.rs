@@ -17,8 +17,9 @@ use treesynth::glam::{Quat, Vec3};
 use treesynth::presets::{self, Found, Season, Stand};
 use treesynth::preview::{Camera, Preview};
 use treesynth::random::{Purpose, unit};
+use treesynth::self_organizing::Environment;
 use treesynth::species::Species;
-use treesynth::surface::{Mesh, Part, Scene, Transform, Tubes};
+use treesynth::surface::{Material, Mesh, Part, Scene, Transform, Tubes};
 use treesynth::{Bounds, Forest, Progress, Work, math};
 
 /// Grow a stand season by season, or a forest of species
@@ -69,7 +70,8 @@ pub(crate) fn run(options: &Options, common: &Common) -> Result<(), Failure> {
     options.out.check_scene()?;
     let found: Vec<Found> =
         options.names.iter().map(|name| presets::by_name(name)).collect::<Result<_, _>>().map_err(refused)?;
-    if let [Found::Stand(stand)] = found[..] {
+    if let [Found::Stand(_) | Found::Space(_)] = found[..] {
+        let name = found[0].name();
         let others = [
             ("--trees", options.trees.is_some()),
             ("--spacing", options.spacing.is_some()),
@@ -81,16 +83,19 @@ pub(crate) fn run(options: &Options, common: &Common) -> Result<(), Failure> {
         ];
         let other = others.iter().find(|(_, is_given)| *is_given).map(|(name, _)| (*name).to_owned());
         return match other.or(options.wish.first().map(|name| format!("--{name}"))) {
-            Some(option) => {
-                Err(refused(format!("{option} goes with species, but {:?} is a stand", stand.name)))
-            }
-            None => options.stand(stand, common),
+            Some(option) => Err(refused(format!("{option} goes with species, but {name:?} is a stand"))),
+            None => match found[0] {
+                Found::Space(stand) => options.stand(stand, common),
+                found => options.stand(found.stand().map_err(refused)?, common),
+            },
         };
     }
     let species: Vec<&'static Species> = found
         .into_iter()
         .map(|found| match found {
-            Found::Stand(stand) => Err(refused(format!("{:?} is a stand, which grows alone", stand.name))),
+            Found::Stand(_) | Found::Space(_) => {
+                Err(refused(format!("{:?} is a stand, which grows alone", found.name())))
+            }
             other => other.species().map_err(refused),
         })
         .collect::<Result<_, _>>()?;
@@ -98,14 +103,14 @@ pub(crate) fn run(options: &Options, common: &Common) -> Result<(), Failure> {
 }
 
 impl Options {
-    fn stand(&self, stand: &'static Stand, common: &Common) -> Result<(), Failure> {
+    fn stand<E: Environment + Clone>(&self, stand: &Stand<E>, common: &Common) -> Result<(), Failure> {
         let mut outputs = self.out.outputs()?;
         let seasons = self.seasons.unwrap_or(stand.seasons);
         let seed = self.seed.unwrap_or(stand.seed);
         let bar = Bar::new(common.quiet);
         let rounds = if self.animation { 2 } else { 1 };
         bar.parts(stand.name, u64::from(seasons) * 4 * rounds);
-        let grow = |forest: &mut Forest, from: u64| -> Result<(), Failure> {
+        let grow = |forest: &mut Forest<E>, from: u64| -> Result<(), Failure> {
             let watch = |progress: Progress| {
                 if let Work::Season { .. } = progress.work {
                     bar.done(from + (progress.fraction * 4.0) as u64);
@@ -113,6 +118,7 @@ impl Options {
                 ControlFlow::Continue(())
             };
             forest.grow_observed(1, &watch)?;
+            stand.tend(forest)?;
             bar.message(format!("{} trees, {} metamers", forest.trees().len(), forest.metamers()));
             Ok(())
         };
@@ -125,8 +131,13 @@ impl Options {
         let bounds = looks.iter().filter_map(|look| look.mesh.bounds()).reduce(Bounds::union);
         let bounds = bounds.ok_or_else(|| format!("nothing has sprouted after --seasons {seasons}"))?;
         let parts: Vec<Vec<Part<'_>>> = looks.iter().map(|look| look.parts().collect()).collect();
+        let ground = stand.ground(bounds);
+        let earth = Material::bark().with_srgb([150, 142, 120]);
+        let under =
+            ground.as_ref().map(|mesh| vec![Part::new(mesh).with_name("ground").with_material(earth)]);
         let scene = parts
             .iter()
+            .chain(&under)
             .fold(Scene::default(), |scene, parts| scene.with_asset("tree", parts, Transform::default()));
         let name = self.out.name.clone().unwrap_or_else(|| stem(stand.name));
         let mut files = self.out.scene(&mut outputs, &name, &scene)?;
@@ -134,16 +145,20 @@ impl Options {
             // Grown twice, for the pictures of the seasons are framed as the last one is: to keep all seasons' trees would
             // take gigabytes.
             let side = self.out.size.min(480);
-            let camera = Camera::default().with_frame(bounds);
-            let preview =
-                Preview::default().with_camera(camera).with_size(side, side).with_ground_height(0.0);
+            // From higher up than a slope is steep.
+            let camera =
+                if ground.is_some() { Camera::default().with_elevation(0.6) } else { Camera::default() };
+            let camera = camera.with_frame(bounds);
+            let preview = Preview::default().with_camera(camera).with_size(side, side);
+            let preview = if ground.is_some() { preview } else { preview.with_ground_height(0.0) };
             let (mut again, mut frames) = (planted, Vec::new());
             for season in 0..u64::from(seasons) {
                 grow(&mut again, (u64::from(seasons) + season) * 4)?;
                 // Half of the detail will do for the small pictures of the animation.
                 let looks = look(stand, &again, 4)?;
                 if !looks.is_empty() {
-                    frames.push(preview.draw_parts(&looks.iter().flat_map(Look::parts).collect::<Vec<_>>())?);
+                    let parts = looks.iter().flat_map(Look::parts).chain(under.iter().flatten().cloned());
+                    frames.push(preview.draw_parts(&parts.collect::<Vec<_>>())?);
                 }
             }
             let path = outputs.path(&format!("{name}.apng"));
@@ -294,7 +309,7 @@ impl Look {
 }
 
 /// The trees that are more than seeds, in summer.
-fn look(stand: &Stand, forest: &Forest, sides: u32) -> Result<Vec<Look>, Failure> {
+fn look<E: Environment>(stand: &Stand<E>, forest: &Forest<E>, sides: u32) -> Result<Vec<Look>, Failure> {
     let tubes = Tubes::default().with_sides(sides);
     let skeletons = forest.skeletons()?;
     let sprouted = forest.trees().iter().zip(&skeletons).filter(|(_, skeleton)| skeleton.len() > 1);

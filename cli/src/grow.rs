@@ -138,7 +138,7 @@ impl Options {
                 Found::Guided(preset) => return self.preset_plan(preset),
                 other => {
                     let command = match other {
-                        Found::Stand(_) => "forest",
+                        Found::Stand(_) | Found::Space(_) => "forest",
                         Found::Variational(_) => "shape",
                         _ => "years",
                     };

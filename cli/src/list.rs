@@ -41,7 +41,7 @@ impl Kind {
     fn of(found: &Found) -> Self {
         match found {
             Found::Species(_) => Self::Species,
-            Found::Stand(_) => Self::Stands,
+            Found::Stand(_) | Found::Space(_) => Self::Stands,
             Found::Variational(_) => Self::Shapes,
             Found::Grown(_) => Self::Years,
             _ => Self::Presets,
@@ -105,6 +105,10 @@ fn entry(found: &Found) -> Result<Value, Failure> {
         }
         Found::Guided(preset) => entry["seed"] = json!(preset.seed),
         Found::Stand(stand) => {
+            entry["seed"] = json!(stand.seed);
+            entry["seasons"] = json!(stand.seasons);
+        }
+        Found::Space(stand) => {
             entry["seed"] = json!(stand.seed);
             entry["seasons"] = json!(stand.seasons);
         }

@@ -6,7 +6,7 @@ use std::path::PathBuf;
 use treesynth::presets;
 
 const HELP: &str = "\
-Grows a stand season by season and writes NAME.glb, NAME.png and NAME.apng.
+Grows a stand season by season and writes NAME.glb, NAME.png, NAME.side.png and NAME.apng.
 
 cargo run --release --example forest -- [OPTIONS]
 
@@ -15,6 +15,8 @@ cargo run --release --example forest -- [OPTIONS]
   --seed N        the seed, 0 to 18446744073709551615          [the preset's]
   --seasons N     how long it grows, 1 to 200                  [the preset's]
   --metamers N    the most metamers, 1 to 5000000              [300000]
+  --frames N      pictures a season, 1 to 24; more than 1 in winter [1]
+  --models        NAME/SEASON.glb too, a model a season
   --size N        sides of the animation, 16 to 4096 pixels    [320]
   --out DIR       where files go; made if it is not there      [out]
   --help          this text";
@@ -25,6 +27,8 @@ pub(crate) struct Options {
     pub(crate) seed: Option<u64>,
     pub(crate) seasons: Option<u32>,
     pub(crate) metamers: usize,
+    pub(crate) frames: u32,
+    pub(crate) models: bool,
     pub(crate) size: u32,
     pub(crate) out: PathBuf,
 }
@@ -37,6 +41,8 @@ impl Options {
             seed: None,
             seasons: None,
             metamers: 300_000,
+            frames: 1,
+            models: false,
             size: 320,
             out: "out".into(),
         };
@@ -51,10 +57,14 @@ impl Options {
                 Long("metamers") => {
                     options.metamers = number(&mut arguments, "--metamers", 1..=5_000_000, "metamers")?;
                 }
+                Long("frames") => options.frames = number(&mut arguments, "--frames", 1..=24, "pictures")?,
+                Long("models") => options.models = true,
                 Long("size") => options.size = number(&mut arguments, "--size", 16..=4096, "pixels")?,
                 Long("out") => options.out = arguments.value()?.into(),
                 Long("list") => {
-                    print(presets::stands().map(|stand| format!("{:26} {}", stand.name, stand.caption)));
+                    let lines = presets::stands().map(|stand| (stand.name, stand.caption));
+                    let lines = lines.chain(presets::spaces().map(|stand| (stand.name, stand.caption)));
+                    print(lines.map(|(name, caption)| format!("{name:26} {caption}")));
                     return Ok(None);
                 }
                 Long("help") | Short('h') => {

@@ -97,6 +97,13 @@ fn run() -> Result<(), Failure> {
         pictures.push(picture);
         summers.push(stands::draw(stand, Season::Summer, options.size)?);
     }
+    for stand in presets::spaces().filter(|stand| stand.name.contains(&options.only)) {
+        let picture = stands::draw(stand, Season::Winter, options.size)?;
+        write(&options.out.join(format!("{}.png", stand.name)), &picture)?;
+        println!("{}: {}", stand.name, stand.caption);
+        pictures.push(picture);
+        summers.push(stands::draw(stand, Season::Summer, options.size)?);
+    }
     pictures.append(&mut summers);
     if !pictures.is_empty() {
         let sheet = Picture::sheet(&pictures, 5, 6, [255, 255, 255])?;

@@ -1,6 +1,7 @@
 //! One way to find a preset of any system by its name.
 
-use super::{Grown, Preset, Stand, grown, guided, stands};
+use super::{Grown, Preset, Stand, grown, guided, spaces, stands};
+use crate::self_organizing::SpaceColonization;
 use crate::species::{self, Species};
 use crate::variational;
 use std::fmt;
@@ -41,6 +42,8 @@ pub enum Found {
     Guided(&'static Preset),
     /// Of [`System::SelfOrganizing`].
     Stand(&'static Stand),
+    /// Of [`System::SelfOrganizing`], in space instead of light.
+    Space(&'static Stand<SpaceColonization>),
     /// Of [`System::Variational`].
     Variational(&'static variational::Preset),
     /// Of [`System::Growth`].
@@ -79,6 +82,7 @@ impl Found {
         match self {
             Self::Guided(preset) => preset.name,
             Self::Stand(preset) => preset.name,
+            Self::Space(preset) => preset.name,
             Self::Variational(preset) => preset.name,
             Self::Grown(preset) => preset.name,
             Self::Species(species) => &species.name,
@@ -89,7 +93,7 @@ impl Found {
     pub fn system(&self) -> System {
         match self {
             Self::Guided(_) => System::Guided,
-            Self::Stand(_) => System::SelfOrganizing,
+            Self::Stand(_) | Self::Space(_) => System::SelfOrganizing,
             Self::Variational(_) => System::Variational,
             Self::Grown(_) => System::Growth,
             Self::Species(_) => System::Species,
@@ -101,6 +105,7 @@ impl Found {
         match self {
             Self::Guided(preset) => preset.caption,
             Self::Stand(preset) => preset.caption,
+            Self::Space(preset) => preset.caption,
             Self::Variational(preset) => preset.caption,
             Self::Grown(preset) => preset.caption,
             Self::Species(species) => &species.about,
@@ -114,7 +119,7 @@ impl Found {
     /// The preset of [`guided`](crate::guided).
     ///
     /// # Errors
-    /// It is another system's; so of the next four.
+    /// It is another system's; so of the next five.
     pub fn guided(self) -> Result<&'static Preset, PresetError> {
         if let Self::Guided(preset) = self { Ok(preset) } else { Err(self.not(System::Guided)) }
     }
@@ -125,6 +130,14 @@ impl Found {
     /// As [`guided`](Self::guided).
     pub fn stand(self) -> Result<&'static Stand, PresetError> {
         if let Self::Stand(preset) = self { Ok(preset) } else { Err(self.not(System::SelfOrganizing)) }
+    }
+
+    /// The preset of [`self_organizing`](crate::self_organizing) in space.
+    ///
+    /// # Errors
+    /// As [`guided`](Self::guided), and one in light.
+    pub fn space(self) -> Result<&'static Stand<SpaceColonization>, PresetError> {
+        if let Self::Space(preset) = self { Ok(preset) } else { Err(self.not(System::SelfOrganizing)) }
     }
 
     /// The preset of [`variational`](crate::variational).
@@ -166,6 +179,7 @@ pub fn all() -> impl Iterator<Item = Found> {
     guided()
         .map(Found::Guided)
         .chain(stands().map(Found::Stand))
+        .chain(spaces().map(Found::Space))
         .chain(variational::presets().map(Found::Variational))
         .chain(grown().map(Found::Grown))
         .chain(species::all().iter().map(Found::Species))
@@ -233,6 +247,7 @@ mod tests {
             let kinds = [
                 found.guided().is_ok(),
                 found.stand().is_ok(),
+                found.space().is_ok(),
                 found.variational().is_ok(),
                 found.grown().is_ok(),
                 found.species().is_ok(),

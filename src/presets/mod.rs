@@ -6,6 +6,7 @@
 //! |---|---|---|
 //! | [`guided`] | [`Found::guided`] | Xu and Mould 2015, "Procedural Tree Modeling with Guiding Vectors"; trees that refine their graphs or grow on graphs of varying spacing |
 //! | [`stands`] | [`Found::stand`] | Pałubicki et al. 2009: habits and stands that organize themselves |
+//! | [`spaces`] | [`Found::space`] | the same, by markers in space |
 //! | [`grown`] | [`Found::grown`] | Galbraith, Mündermann and Wyvill 2004: trees over the years |
 //! | [`variational::presets`](crate::variational::presets) | [`Found::variational`] | Wang et al. 2014: trees that fill shapes |
 //! | [`species::all`](crate::species::all) | [`Found::species`] | floras and forestry tables: trees of a botanical name |
@@ -30,19 +31,24 @@ mod fine;
 mod found;
 mod graded;
 mod grown;
+mod hedge;
 mod look;
 mod organized;
+mod painted;
 mod plane;
 mod rotation;
 mod samples;
 mod site;
+mod stand;
 mod variety;
 mod volume;
 
 pub use found::{Found, PresetError, System, all, by_name};
 pub use grown::{Grown, grown};
 pub use look::Season;
-pub use organized::{Stand, WALL, stands};
+pub use organized::{WALL, stands};
+pub use painted::{spaces, strokes};
+pub use stand::Stand;
 
 use crate::foliage::Foliage;
 use crate::guided::{Bend, NearestTo, Recipe, StageRecipe, TreeSynth};

@@ -1,100 +1,43 @@
 //! Trees and stands that organize themselves: what a habit, a wind, a wall or neighbours make of a bud.
 
-use super::{Season, degrees, look};
-use crate::Skeleton;
-use crate::foliage::{Foliage, FoliageError, Leaves};
+use super::stand::Stand;
+use super::{degrees, hedge};
 use crate::self_organizing::{
-    Axis, Forest, ForestError, Habit, Offspring, Phyllotaxis, ShadowPropagation, Tree, VigorModel,
+    Axis, Daylight, Forest, ForestError, Habit, Offspring, Phyllotaxis, Regrowth, Sag, ShadowPropagation,
+    VigorModel,
 };
-use crate::shape::{Bounds, Cuboid, Sphere, Union};
+use crate::shape::{Bounds, Cuboid, Cylinder, Intersection, Sphere, Union};
 use glam::Vec3;
 
-/// A tree or a stand of [`self_organizing`](crate::self_organizing).
-#[derive(Debug, Clone, Copy)]
-#[non_exhaustive]
-pub struct Stand {
-    /// Its name, e.g. `stand-weeping`.
-    pub name: &'static str,
-    /// One line that says what is seen.
-    pub caption: &'static str,
-    /// The seed of its picture.
-    pub seed: u64,
-    /// Seasons it grows for.
-    pub seasons: u32,
-    plant: fn(u64) -> Result<Forest, ForestError>,
-}
-
-impl Stand {
-    /// The stand as it is planted, with no season passed.
-    ///
-    /// # Errors
-    /// None for the presets of this module.
-    pub fn plant(&self, seed: u64) -> Result<Forest, ForestError> {
-        (self.plant)(seed)
-    }
-
-    /// The stand after its seasons.
-    ///
-    /// # Errors
-    /// None that is known of for the presets of this module.
-    pub fn grow(&self, seed: u64) -> Result<Forest, ForestError> {
-        let mut forest = self.plant(seed)?;
-        forest.grow(self.seasons)?;
-        Ok(forest)
-    }
-
-    /// The leaves of all its trees; `None` in winter. [`leaves`](Self::leaves) puts them where the text's rule has them.
-    pub fn foliage(&self, season: Season) -> Option<Foliage> {
-        look::HORNBEAM.foliage(season)
-    }
-
-    /// The leaves of one of its trees: where the text's rule ([`Tree::leafy`]) has them, on metamers that begin at
-    /// least four nodes from the foot and carry fewer than 30 buds. None in winter.
-    ///
-    /// # Errors
-    /// As [`Foliage::place`](crate::foliage::Foliage::place): a skeleton without radii, say.
-    pub fn leaves(
-        &self,
-        tree: &Tree,
-        skeleton: &Skeleton,
-        season: Season,
-    ) -> Result<Option<Leaves>, FoliageError> {
-        let Some(foliage) = self.foliage(season) else { return Ok(None) };
-        let (mut leaves, leafy) = (foliage.place(skeleton, self.seed)?, tree.leafy(30, 4));
-        leaves.instances.retain(|leaf| leafy.get(leaf.node as usize) == Some(&true));
-        Ok(Some(leaves))
-    }
-}
-
-/// All presets of [`self_organizing`](crate::self_organizing).
+/// All presets of [`self_organizing`](crate::self_organizing) whose buds compete for light.
 pub fn stands() -> impl Iterator<Item = &'static Stand> {
     STANDS.iter()
 }
 
 /// The length of a metamer and the width of a cell, metres: five times the original's, so that 20 seasons make some
 /// 8 m.
-const LENGTH: f32 = 0.1;
+pub(super) const LENGTH: f32 = 0.1;
 
 /// Each lateral 137.5° around from the one before.
-const GOLDEN: Phyllotaxis = Phyllotaxis::Spiral { divergence: 2.4 };
+pub(super) const GOLDEN: Phyllotaxis = Phyllotaxis::Spiral { divergence: 2.4 };
 
 const STANDS: &[Stand] = &[
-    stand("stand-excurrent", "Apical control 0.55: a leader above all.", 14, |seed| {
+    Stand::new("stand-excurrent", "Apical control 0.55: a leader above all.", 14, |seed| {
         alone(seed, apical(0.55))
     }),
-    stand("stand-between", "Apical control 0.52: a crown of many leaders.", 15, |seed| {
+    Stand::new("stand-between", "Apical control 0.52: a crown of many leaders.", 15, |seed| {
         alone(seed, apical(0.52))
     }),
-    stand("stand-decurrent", "Apical control 0.46: the leader is soon lost.", 16, |seed| {
+    Stand::new("stand-decurrent", "Apical control 0.46: the leader is soon lost.", 16, |seed| {
         alone(seed, apical(0.46))
     }),
-    stand("stand-weeping", "Shoots are drawn down, once the trunk stands.", 17, |seed| {
+    Stand::new("stand-weeping", "Shoots are drawn down, once the trunk stands.", 17, |seed| {
         alone(seed, apical(0.52).with_tropism(Vec3::NEG_Y, 0.28).with_optimal_weight(0.12))
     }),
-    stand("stand-wind", "A steady wind from the left.", 17, |seed| {
+    Stand::new("stand-wind", "A steady wind from the left.", 17, |seed| {
         alone(seed, apical(0.52).with_tropism(Vec3::X, 0.12))
     }),
-    stand("stand-shrub", "Laterals win from the ground on.", 11, |seed| {
+    Stand::new("stand-shrub", "Laterals win from the ground on.", 11, |seed| {
         let habit =
             apical(0.4).with_lateral_angle(degrees(75.0)).with_length(0.04).with_vigor_multiplier(2.5);
         let habit = habit.with_tip_radius(0.0012);
@@ -102,7 +45,7 @@ const STANDS: &[Stand] = &[
         forest.plant(Vec3::ZERO)?;
         Ok(forest)
     }),
-    stand("stand-topiary", "Two balls on a stem, filled out.", 20, |seed| {
+    Stand::new("stand-topiary", "Two balls on a stem, filled out.", 20, |seed| {
         let ball = |y: f32, radius: f32| Sphere::new(Vec3::Y * y, radius);
         let stem = Cuboid::new(Vec3::new(-0.2, -0.1, -0.2), Vec3::new(0.2, 3.4, 0.2));
         let shape = Union::new(Union::new(stem, ball(1.5, 0.8)), ball(3.1, 0.6));
@@ -116,11 +59,16 @@ const STANDS: &[Stand] = &[
         forest.plant(Vec3::ZERO)?;
         Ok(forest)
     }),
-    stand("stand-priority", "The priority model: a leader, and limbs by rank of their light.", 16, |seed| {
-        let model = VigorModel::Priority { first: 3.0, last: 1.0, part: 0.3 };
-        alone(seed, apical(0.5).with_vigor_model(model))
-    }),
-    stand(
+    Stand::new(
+        "stand-priority",
+        "The priority model: a leader, and limbs by rank of their light.",
+        16,
+        |seed| {
+            let model = VigorModel::Priority { first: 3.0, last: 1.0, part: 0.3 };
+            alone(seed, apical(0.5).with_vigor_model(model))
+        },
+    ),
+    Stand::new(
         "stand-spruce",
         "Level limbs near the end of each year's shoot, on a trunk that goes on.",
         18,
@@ -137,7 +85,7 @@ const STANDS: &[Stand] = &[
             alone(seed, habit)
         },
     ),
-    stand(
+    Stand::new(
         "stand-spray",
         "Laterals in two rows on level axes: flat sprays, storey above storey.",
         12,
@@ -152,31 +100,75 @@ const STANDS: &[Stand] = &[
             alone(seed, apical(0.52).with_phyllotaxis(rows).with_axes([trunk, limbs]))
         },
     ),
-    stand("stand-spreading", "Limbs that leave the trunk at sixty degrees and keep to it.", 17, |seed| {
-        let limbs = Axis::default().with_angle(degrees(60.0)).with_optimal_weight(0.03);
-        alone(seed, apical(0.5).with_phyllotaxis(GOLDEN).with_axes([Axis::default(), limbs]))
-    }),
-    stand("stand-slope", "Four generations on a slope of one in two.", 22, |seed| {
+    Stand::new(
+        "stand-spreading",
+        "Limbs that leave the trunk at sixty degrees and keep to it.",
+        17,
+        |seed| {
+            let limbs = Axis::default().with_angle(degrees(60.0)).with_optimal_weight(0.03);
+            alone(seed, apical(0.5).with_phyllotaxis(GOLDEN).with_axes([Axis::default(), limbs]))
+        },
+    ),
+    Stand::new(
+        "stand-bowed",
+        "Limbs that rise at thirty degrees, and bow under their load with age.",
+        18,
+        |seed| {
+            let limbs = Axis::default().with_angle(degrees(30.0)).with_optimal_weight(0.03);
+            let habit = apical(0.53).with_phyllotaxis(GOLDEN).with_axes([Axis::default(), limbs]);
+            alone(seed, habit.with_sag(Sag::default().with_modulus(7e8)))
+        },
+    ),
+    Stand::new("stand-slope", "Four generations on a slope of one in two.", 22, |seed| {
         let offspring =
             Offspring::default().with_maturity(6).with_interval(4).with_distance(0.7).with_seeds(0.5);
         let habit = apical(0.5).with_offspring(offspring);
-        let mut forest = Forest::new(light(24.0, 14.0), habit, seed).with_terrain(|x: f32, _: f32| 0.5 * x);
+        let mut forest = Forest::new(light(24.0, 14.0), habit, seed).with_terrain(slope);
         forest.plant(Vec3::ZERO)?;
         Ok(forest)
+    })
+    .on(slope),
+    Stand::new(
+        "stand-sun",
+        "A lane from north to south, at fifty degrees north: the crown leans to the sun.",
+        16,
+        |seed| {
+            let light = light(16.0, 14.0).with_daylight(Daylight::at_latitude(degrees(50.0)));
+            let mut forest = Forest::new(light, apical(0.5), seed);
+            for side in [-1.0f32, 1.0] {
+                let (near, far) = (Vec3::new(side * 1.5, 0.0, -9.0), Vec3::new(side * 9.0, 8.0, 9.0));
+                forest = forest.with_obstacle(Cuboid::new(near.min(far), near.max(far)));
+            }
+            forest.plant(Vec3::ZERO)?;
+            Ok(forest)
+        },
+    ),
+    Stand::new("stand-hedge", "Twenty in a row, trimmed every year.", 30, hedge::plant).tended(hedge::trim),
+    Stand::new("stand-pollard", "Cut back to a head at two metres, every sixth year.", 33, |seed| {
+        let habit = apical(0.5).with_regrowth(Regrowth::default().with_buds(8).with_reach(10));
+        alone(seed, habit)
+    })
+    .tended(|forest| {
+        // Two years of regrowth are in the last picture.
+        let head = Cuboid::new(Vec3::new(-4.0, -0.1, -4.0), Vec3::new(4.0, 2.0, 4.0));
+        if forest.season() >= 7 && forest.season() % 6 == 1 {
+            forest.prune(&Intersection::new(head, Cylinder::new(Vec3::NEG_Y, 0.45, 9.0)))?;
+        }
+        Ok(())
     }),
-    stand("stand-wall", "A wall half a metre to the left.", 17, |seed| {
+    Stand::new("stand-wall", "A wall half a metre to the left.", 17, |seed| {
         let mut forest = Forest::new(light(16.0, 14.0), apical(0.5), seed).with_obstacle(WALL);
         forest.plant(Vec3::ZERO)?;
         Ok(forest)
     }),
-    stand("stand-shyness", "Nine of one age keep their crowns apart.", 16, |seed| {
+    Stand::new("stand-shyness", "Nine of one age keep their crowns apart.", 16, |seed| {
         let mut forest = Forest::new(light(16.0, 14.0), apical(0.52), seed);
         for i in 0..9 {
             forest.plant(Vec3::new((i % 3) as f32 * 3.5 - 3.5, 0.0, (i / 3) as f32 * 3.5 - 3.5))?;
         }
         Ok(forest)
     }),
-    stand("stand-generations", "Four generations from one seed.", 27, |seed| {
+    Stand::new("stand-generations", "Four generations from one seed.", 27, |seed| {
         let offspring =
             Offspring::default().with_maturity(6).with_interval(4).with_distance(0.7).with_seeds(0.5);
         let mut forest = Forest::new(light(30.0, 16.0), apical(0.5).with_offspring(offspring), seed);
@@ -188,22 +180,18 @@ const STANDS: &[Stand] = &[
 /// Wall beside the tree of `stand-wall`.
 pub const WALL: Cuboid = Cuboid::new(Vec3::new(-1.0, 0.0, -6.0), Vec3::new(-0.6, 12.0, 6.0));
 
-const fn stand(
-    name: &'static str,
-    caption: &'static str,
-    seasons: u32,
-    plant: fn(u64) -> Result<Forest, ForestError>,
-) -> Stand {
-    Stand { name, caption, seed: 1, seasons, plant }
+/// Ground of one in two.
+fn slope(x: f32, _z: f32) -> f32 {
+    0.5 * x
 }
 
-fn light(width: f32, height: f32) -> ShadowPropagation {
+pub(super) fn light(width: f32, height: f32) -> ShadowPropagation {
     let half = width * 0.5;
     let bounds = Bounds::new(Vec3::new(-half, 0.0, -half), Vec3::new(half, height, half));
     ShadowPropagation::new(bounds).with_cell(LENGTH)
 }
 
-fn apical(control: f32) -> Habit {
+pub(super) fn apical(control: f32) -> Habit {
     Habit::default()
         .with_vigor_model(VigorModel::BorchertHonda { apical_control: control })
         .with_length(LENGTH)

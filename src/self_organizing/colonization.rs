@@ -85,6 +85,15 @@ struct Options {
     /// Region to which growth is confined; none if the user has brought the markers.
     #[cfg_attr(feature = "serde", serde(default))]
     region: Option<Region>,
+    /// Regions that were added later.
+    #[cfg_attr(feature = "serde", serde(default))]
+    more: Vec<Region>,
+}
+
+impl Options {
+    fn regions(&self) -> impl Iterator<Item = &Region> {
+        self.region.iter().chain(&self.more)
+    }
 }
 
 /// Markers by cell.
@@ -104,7 +113,15 @@ impl SpaceColonization {
     /// Pałubicki et al. 2009.
     pub fn new(markers: Vec<Vec3>) -> Self {
         let angle = std::f32::consts::FRAC_PI_4;
-        Self::of(Options { markers, occupancy: 0.04, distance: 0.12, angle, light: 1.0, region: None })
+        Self::of(Options {
+            markers,
+            occupancy: 0.04,
+            distance: 0.12,
+            angle,
+            light: 1.0,
+            region: None,
+            more: Vec::new(),
+        })
     }
 
     /// So many markers, drawn in `shape` where all parts are equally likely. Nodes stay in the shape, to a 64th of its
@@ -113,16 +130,30 @@ impl SpaceColonization {
     /// # Errors
     /// Options of the shape out of range; too many markers; a shape that is empty or so thin that no point is found.
     pub fn in_shape(shape: &dyn Shape, markers: usize, seed: u64) -> Result<Self, ParameterError> {
-        shape.check()?;
-        check_count(markers)?;
-        let mut random = stream(seed, 0, Purpose::MARKERS, 0);
-        let points: Option<Vec<Vec3>> = (0..markers).map(|_| shape.sample(&mut random)).collect();
-        let bounds = shape.bounds();
-        let range = "a shape in which points are found";
-        let points = points.ok_or_else(|| ParameterError::new("shape", format_args!("{bounds:?}"), range))?;
-        let mut space = Self::new(points);
+        let mut space = Self::new(drawn(shape, markers, seed)?);
         space.options.region = Some(Region::new(shape));
         Ok(space)
+    }
+
+    /// More markers, metres, in free space; a stroke of a brush, say. In a forest this belongs into
+    /// [`Forest::environment_mut`](super::Forest::environment_mut): alone, it takes no node to stand.
+    pub fn add_markers(&mut self, markers: impl IntoIterator<Item = Vec3>) {
+        self.options.markers.extend(markers);
+        self.takers = vec![0; self.options.markers.len()];
+        self.grid = Grid::default();
+    }
+
+    /// As [`add_markers`](Self::add_markers), so many as [`in_shape`](Self::in_shape) draws. Nodes of the other shapes may
+    /// grow into this one and back.
+    ///
+    /// # Errors
+    /// As `in_shape`; the environment is then as it was.
+    pub fn add_shape(&mut self, shape: &dyn Shape, markers: usize, seed: u64) -> Result<(), ParameterError> {
+        check_count(self.options.markers.len().saturating_add(markers))?;
+        let points = drawn(shape, markers, seed)?;
+        self.options.more.push(Region::new(shape));
+        self.add_markers(points);
+        Ok(())
     }
 
     fn of(options: Options) -> Self {
@@ -255,8 +286,8 @@ impl Environment for SpaceColonization {
     }
 
     fn admits(&self, start: Vec3, end: Vec3) -> bool {
-        let leaves = |region: &Region| region.contains(start) && !region.contains(end);
-        if self.options.region.as_ref().is_some_and(leaves) {
+        let inside = |point: Vec3| self.options.regions().any(|region| region.contains(point));
+        if inside(start) && !inside(end) {
             return false;
         }
         let mut free = false;
@@ -325,20 +356,30 @@ impl Environment for SpaceColonization {
     }
 
     fn check(&self) -> Result<(), ParameterError> {
-        let Options { markers, occupancy, distance, angle, light, region } = &self.options;
+        let Options { markers, occupancy, distance, angle, light, .. } = &self.options;
         check_count(markers.len())?;
         let far = |marker: &&Vec3| !marker.abs().cmple(Vec3::splat(LARGEST)).all();
         if let Some(marker) = markers.iter().find(far) {
             let range = "within a million metres";
             return Err(ParameterError::new("SpaceColonization.markers", format_args!("{marker:?}"), range));
         }
-        let holds = region.as_ref().is_none_or(Region::is_sound);
+        let holds = self.options.regions().all(Region::is_sound);
         ParameterError::unless(holds, "SpaceColonization.region", "unsound", "cells of a box, all of them")?;
         within("SpaceColonization.occupancy", *occupancy, 0.0, 1e3)?;
         within("SpaceColonization.distance", *distance, 0.0, 1e3)?;
         within("SpaceColonization.angle", *angle, 0.0, std::f32::consts::PI)?;
         within("SpaceColonization.light", *light, 0.0, 1e3)
     }
+}
+
+/// So many points of a shape.
+fn drawn(shape: &dyn Shape, markers: usize, seed: u64) -> Result<Vec<Vec3>, ParameterError> {
+    shape.check()?;
+    check_count(markers)?;
+    let mut random = stream(seed, 0, Purpose::MARKERS, 0);
+    let points: Option<Vec<Vec3>> = (0..markers).map(|_| shape.sample(&mut random)).collect();
+    let (bounds, range) = (shape.bounds(), "a shape in which points are found");
+    points.ok_or_else(|| ParameterError::new("shape", format_args!("{bounds:?}"), range))
 }
 
 fn check_count(markers: usize) -> Result<(), ParameterError> {
@@ -409,9 +450,7 @@ impl From<SpaceColonization> for Options {
 #[cfg(feature = "serde")]
 impl From<Options> for SpaceColonization {
     fn from(mut options: Options) -> Self {
-        if let Some(region) = &mut options.region {
-            region.unpack();
-        }
+        options.region.iter_mut().chain(&mut options.more).for_each(Region::unpack);
         Self::of(options)
     }
 }

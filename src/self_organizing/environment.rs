@@ -85,6 +85,12 @@ pub trait Environment: Send + Sync {
         self.update(appeared, fallen);
     }
 
+    /// Nodes that all cast this much [shade](Self::shade_of) have moved, each `from` one place `to` another. By default
+    /// they appear there and fall here.
+    fn update_moved(&mut self, shade: f32, from: &[Vec3], to: &[Vec3]) {
+        self.update_shaded(shade, to, from);
+    }
+
     /// What stands in the way of light: all obstacles of the forest and its terrain, each time there are others. The
     /// default does not care; nodes keep out of them in any case.
     fn obstruct(&mut self, obstacles: &[Arc<dyn Shape>], terrain: Option<&Arc<dyn Terrain>>) {
@@ -154,6 +160,10 @@ impl<T: Environment + ?Sized> Environment for Box<T> {
 
     fn update_shaded(&mut self, shade: f32, appeared: &[Vec3], fallen: &[Vec3]) {
         (**self).update_shaded(shade, appeared, fallen);
+    }
+
+    fn update_moved(&mut self, shade: f32, from: &[Vec3], to: &[Vec3]) {
+        (**self).update_moved(shade, from, to);
     }
 
     fn obstruct(&mut self, obstacles: &[Arc<dyn Shape>], terrain: Option<&Arc<dyn Terrain>>) {

@@ -116,6 +116,26 @@ pub enum ForestError {
     Skeleton(#[from] SkeletonError),
 }
 
+/// What `change` returns of an environment that no node stands in meanwhile.
+fn emptied<E: Environment, T>(
+    environment: &mut E,
+    trees: &[Tree],
+    told: &[f32],
+    change: impl FnOnce(&mut E) -> T,
+) -> T {
+    let nodes = |habit: usize| -> Vec<Vec3> {
+        trees.iter().filter(|tree| tree.habit() == habit).flat_map(Tree::positions).collect()
+    };
+    for (habit, &shade) in told.iter().enumerate() {
+        environment.update_shaded(shade, &[], &nodes(habit));
+    }
+    let result = change(environment);
+    for (habit, &shade) in told.iter().enumerate() {
+        environment.update_shaded(shade, &nodes(habit), &[]);
+    }
+    result
+}
+
 impl From<Cancelled> for ForestError {
     fn from(_: Cancelled) -> Self {
         Self::Cancelled
@@ -181,16 +201,44 @@ impl<E: Environment> Forest<E> {
 
     /// Tells the environment what stands in the way of light; what has grown is told anew.
     fn obstruct(&mut self) {
-        let nodes = |trees: &[Tree], habit: usize| -> Vec<Vec3> {
-            trees.iter().filter(|tree| tree.habit() == habit).flat_map(Tree::positions).collect()
-        };
-        for (habit, &shade) in self.told.iter().enumerate() {
-            self.environment.update_shaded(shade, &[], &nodes(&self.trees, habit));
-        }
-        self.environment.obstruct(&self.room.obstacles, self.room.terrain.as_ref());
-        for (habit, &shade) in self.told.iter().enumerate() {
-            self.environment.update_shaded(shade, &nodes(&self.trees, habit), &[]);
-        }
+        let Self { environment, room, trees, told, .. } = self;
+        emptied(environment, trees, told, |environment| {
+            environment.obstruct(&room.obstacles, room.terrain.as_ref());
+        });
+    }
+
+    /// Changes the environment between seasons, as in [`SpaceColonization::add_markers`], and returns what `change` does. All
+    /// nodes are taken out of it before and put in again after, so whatever changes, it knows of what stands. O(n) for
+    /// n metamers, and what the environment takes for them.
+    ///
+    /// ```
+    /// use treesynth::glam::Vec3;
+    /// use treesynth::self_organizing::{Forest, Habit, SpaceColonization};
+    /// use treesynth::shape::Sphere;
+    ///
+    /// let crown = |y: f32| Sphere::new(Vec3::Y * y, 0.3);
+    /// let space = SpaceColonization::in_shape(&crown(0.3), 2000, 1)?;
+    /// let mut forest = Forest::new(space, Habit::default().with_optimal_weight(0.5), 1);
+    /// forest.plant(Vec3::ZERO)?;
+    /// forest.grow(10)?;
+    /// let top = |forest: &Forest<_>| forest.trees()[0].positions().map(|node| node.y).fold(0.0, f32::max);
+    /// let before = top(&forest);
+    /// forest.environment_mut(|space| space.add_shape(&crown(0.8), 2000, 2))?;
+    /// forest.grow(10)?;
+    /// assert!(before < 0.65 && top(&forest) > 0.8);
+    /// # Ok::<(), treesynth::self_organizing::ForestError>(())
+    /// ```
+    ///
+    /// [`SpaceColonization::add_markers`]: super::SpaceColonization::add_markers
+    pub fn environment_mut<T>(&mut self, change: impl FnOnce(&mut E) -> T) -> T {
+        let Self { environment, room, trees, told, .. } = self;
+        emptied(environment, trees, told, |environment| {
+            let result = change(environment);
+            if !room.obstacles.is_empty() || room.terrain.is_some() {
+                environment.obstruct(&room.obstacles, room.terrain.as_ref());
+            }
+            result
+        })
     }
 
     /// Sets the most metamers, at most 2³¹; 10 million by default. A turn that would lead beyond is not begun.

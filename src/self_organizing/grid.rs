@@ -2,7 +2,7 @@
 //! grows with what casts shadows.
 
 use crate::{math, parallel};
-use glam::IVec3;
+use glam::{IVec3, Vec3};
 use std::ops::{BitOr, Range};
 
 /// The fewest and the most parts of a full shadow, a, that a cell counts in.
@@ -21,6 +21,11 @@ const BAND: usize = 32;
 /// Cells are added to in groups of so many, which processors do at once.
 const LANES: usize = 8;
 
+/// Light that comes in at a lower angle falls no farther aside than so many cells for each cell down.
+const STEEPEST: f32 = 2.0;
+/// Half the width of one direction's shadow for each cell down.
+const SPREAD: f32 = 0.5;
+
 /// Neighbours in x.
 type Group = [u16; LANES];
 
@@ -38,10 +43,49 @@ pub(super) struct Grid {
     /// Number of parts of a full shadow.
     parts: f32,
     falloff: f32,
-    /// Values that a row of the pyramid adds, by q, zeros at its end.
-    powers: Vec<Vec<Group>>,
+    /// Where the light comes from; empty if from above, in whole pyramids.
+    light: Vec<(Vec3, f32)>,
+    /// Values that a shadow adds, by q.
+    powers: Vec<Slice>,
     /// From the ground up as far as nodes are.
     layers: Vec<Layer>,
+}
+
+/// Cells that a shadow adds to, so many cells below what casts it.
+#[derive(Debug, Clone, PartialEq)]
+struct Slice {
+    /// The first cell in x and z, from the one below the caster.
+    x: i32,
+    z: i32,
+    /// How many rows in z.
+    count: usize,
+    rows: Rows,
+}
+
+/// Values of the rows of a slice, zeros at their ends.
+#[derive(Debug, Clone, PartialEq)]
+enum Rows {
+    /// A pyramid's: all alike.
+    Same(Vec<Group>),
+    Each(Vec<Vec<Group>>),
+}
+
+impl Slice {
+    fn cells(&self) -> usize {
+        match &self.rows {
+            Rows::Same(_) => self.count * self.count,
+            Rows::Each(rows) => rows.iter().map(Vec::len).sum::<usize>() * LANES,
+        }
+    }
+
+    /// The value right below the caster.
+    fn middle(&self) -> u16 {
+        let x = -self.x as usize;
+        match &self.rows {
+            Rows::Same(row) => row[x / LANES][x % LANES],
+            Rows::Each(rows) => rows[-self.z as usize][x / LANES][x % LANES],
+        }
+    }
 }
 
 /// Cells of one height: rows of x, as far in z as there were ever shadows.
@@ -69,26 +113,33 @@ pub(super) struct Caster {
 
 impl Grid {
     /// Of so many cells on each axis, for pyramids of this height that are divided by `falloff` at each cell down.
-    pub(super) fn new(size: IVec3, height: u32, falloff: f32) -> Self {
-        let margin = height as usize;
+    /// Shadows lean away from where light comes from, if that is said by unit vectors with weights that add up to 1.
+    pub(super) fn new(size: IVec3, height: u32, falloff: f32, light: Vec<(Vec3, f32)>) -> Self {
+        let margin = if light.is_empty() { height as usize } else { reach(height) as usize };
         let parts = (FAINTEST * math::powf(falloff, height as f32)).round().clamp(PARTS[0], PARTS[1]);
         let stride = size.x as usize + 2 * margin;
         let low = IVec3::ZERO;
         let mut grid =
-            Self { low, size, margin, stride, parts, falloff, powers: Vec::new(), layers: Vec::new() };
+            Self { low, size, margin, stride, parts, falloff, light, powers: Vec::new(), layers: Vec::new() };
         grid.powers = grid.powers_of(1.0, height);
         grid
     }
 
-    /// The rows of a pyramid that is so many times as dark as a full shadow.
-    fn powers_of(&self, shade: f32, height: u32) -> Vec<Vec<Group>> {
-        let row = |q: u32| {
+    /// The slices of a shadow that is so many times as dark as a full one.
+    fn powers_of(&self, shade: f32, height: u32) -> Vec<Slice> {
+        let slice = |q: u32| {
+            let power =
+                |part: f32| (self.parts * shade * math::powf(self.falloff, -(q as f32)) * part + 0.5) as u16;
+            if !self.light.is_empty() && q > 0 {
+                return leaning(q, &self.light, |part| power(part));
+            }
             let width = 2 * q as usize + 1;
-            let power = (self.parts * shade * math::powf(self.falloff, -(q as f32)) + 0.5) as u16;
+            let power = power(1.0);
             let group = |x: usize| std::array::from_fn(|i| if x + i < width { power } else { 0 });
-            (0..width).step_by(LANES).map(group).collect()
+            let row = (0..width).step_by(LANES).map(group).collect();
+            Slice { x: -(q as i32), z: -(q as i32), count: width, rows: Rows::Same(row) }
         };
-        (0..=height).map(row).collect()
+        (0..=height).map(slice).collect()
     }
 
     /// The lowest cell, and one beyond the highest.
@@ -146,7 +197,7 @@ impl Grid {
     /// How many parts a full shadow has; 1 before there are any nodes.
     #[inline]
     pub(super) fn full(&self) -> f32 {
-        self.powers.first().map_or(1.0, |row| f32::from(row[0][0]))
+        self.powers.first().map_or(1.0, |slice| f32::from(slice.middle()))
     }
 
     /// The sum in a cell, in parts; 0 outside.
@@ -177,13 +228,16 @@ impl Grid {
             (*count, *low, *high) = (*count + 1, z.min(*low), z.max(*high));
         }
         // What each layer gets from them: cells to add to and rows.
+        let slices = &self.powers;
         let shades: Vec<(usize, Range<usize>)> = (0..=top)
             .map(|y| {
                 let above = found[y..].iter().take(height).enumerate().filter(|(_, found)| found.0 > 0);
                 let none = Range { start: usize::MAX, end: 0 };
                 above.fold((0, none), |(cells, rows), (q, &(count, low, high))| {
-                    let rows = rows.start.min(low - q)..rows.end.max(high + q + 1);
-                    (cells + count * (2 * q + 1) * (2 * q + 1), rows)
+                    let slice = &slices[q];
+                    let first = low.wrapping_add_signed(slice.z as isize);
+                    let end = high.wrapping_add_signed(slice.z as isize) + slice.count;
+                    (cells + count * slice.cells(), rows.start.min(first)..rows.end.max(end))
                 })
             })
             .collect();
@@ -217,10 +271,13 @@ impl Grid {
                 }
                 for q in y.saturating_sub(last)..(y - *first + 1).min(height) {
                     let layer = &mut layers[y - q - *first];
+                    let slice = &powers[q];
+                    let z = z.wrapping_add_signed(slice.z as isize);
+                    let x = x.wrapping_add_signed(slice.x as isize);
                     if caster.falls {
-                        layer.add::<true>(z - q, x - q, stride, q, &powers[q]);
+                        layer.add::<true>(z, x, stride, slice);
                     } else {
-                        layer.add::<false>(z - q, x - q, stride, q, &powers[q]);
+                        layer.add::<false>(z, x, stride, slice);
                     }
                 }
             }
@@ -292,18 +349,18 @@ impl Layer {
         self.rows = rows;
     }
 
-    /// Adds a square of the pyramid from `z` and `x` on, or takes it away.
+    /// Adds a slice of a shadow from `z` and `x` on, or takes it away.
     #[inline]
-    fn add<const FALLS: bool>(&mut self, z: usize, x: usize, stride: usize, q: usize, powers: &[Group]) {
+    fn add<const FALLS: bool>(&mut self, z: usize, x: usize, stride: usize, slice: &Slice) {
         let start = (z - self.rows.start) * stride + x;
         match &mut self.cells {
             Cells::Narrow(cells) => {
-                if add_square::<u16, FALLS>(&mut cells[start..], stride, q, powers) {
+                if add_slice::<u16, FALLS>(&mut cells[start..], stride, slice) {
                     self.cells = Cells::Wide(cells.iter().map(|&sum| u32::from(sum)).collect());
                 }
             }
             Cells::Wide(cells) => {
-                add_square::<u32, FALLS>(&mut cells[start..], stride, q, powers);
+                add_slice::<u32, FALLS>(&mut cells[start..], stride, slice);
             }
         }
     }
@@ -371,6 +428,67 @@ impl Sum for u32 {
     }
 }
 
+/// The most cells aside that a leaning shadow falls in so many cells down.
+fn reach(q: u32) -> i32 {
+    ((STEEPEST + SPREAD) * q as f32).ceil() as i32 + 1
+}
+
+/// The slice q cells down of a shadow from light of these directions. Each throws a square, half as wide as that of the
+/// pyramid and as far aside as it comes in slantwise; together they are as dark as the pyramid.
+fn leaning(q: u32, light: &[(Vec3, f32)], power: impl Fn(f32) -> u16) -> Slice {
+    let reach = reach(q);
+    let width = (2 * reach + 1) as usize;
+    let depth = q as f32;
+    let half = SPREAD * depth + 0.5;
+    let dark = (2.0 * depth + 1.0) * (2.0 * depth + 1.0) / (4.0 * half * half);
+    // The part of each cell on an axis that lies in a span.
+    let covered = |middle: f32, cell: usize| {
+        let place = (cell as i32 - reach) as f32;
+        ((place + 0.5).min(middle + half) - (place - 0.5).max(middle - half)).max(0.0)
+    };
+    let mut parts = vec![0.0f32; width * width];
+    for (direction, weight) in light {
+        let slant = Vec3::new(direction.x, 0.0, direction.z) / direction.y.max(1e-3);
+        let away = -slant.clamp_length_max(STEEPEST) * depth;
+        let across: Vec<f32> = (0..width).map(|x| covered(away.x, x)).collect();
+        for (z, row) in parts.chunks_exact_mut(width).enumerate() {
+            let along = covered(away.z, z) * weight * dark;
+            if along > 0.0 {
+                row.iter_mut().zip(&across).for_each(|(part, across)| *part += along * across);
+            }
+        }
+    }
+    let powers: Vec<u16> = parts.iter().map(|&part| power(part.min(1.0))).collect();
+    let (mut low, mut high) = (IVec3::splat(reach), IVec3::splat(reach));
+    for (place, _) in powers.iter().enumerate().filter(|(_, power)| **power > 0) {
+        let cell = IVec3::new((place % width) as i32, reach, (place / width) as i32);
+        (low, high) = (low.min(cell), high.max(cell));
+    }
+    let row = |z: i32| -> Vec<Group> {
+        let at = |x: i32| if x <= high.x { powers[z as usize * width + x as usize] } else { 0 };
+        (low.x..=high.x).step_by(LANES).map(|x| std::array::from_fn(|i| at(x + i as i32))).collect()
+    };
+    let rows: Vec<Vec<Group>> = (low.z..=high.z).map(row).collect();
+    Slice { x: low.x - reach, z: low.z - reach, count: rows.len(), rows: Rows::Each(rows) }
+}
+
+/// Adds a slice to the cells from its first on, or takes it away. Whether there may soon be no room for more.
+#[inline]
+fn add_slice<T: Sum, const FALLS: bool>(cells: &mut [T], stride: usize, slice: &Slice) -> bool {
+    match &slice.rows {
+        Rows::Same(row) => add_square::<T, FALLS>(cells, stride, slice.count / 2, row),
+        Rows::Each(rows) => {
+            let mut excess = false;
+            for (z, row) in rows.iter().enumerate() {
+                for (i, group) in row.chunks(1).enumerate() {
+                    excess |= add_rows::<T, FALLS, 1, 1>(&mut cells[z * stride + i * LANES..], stride, group);
+                }
+            }
+            excess
+        }
+    }
+}
+
 /// Adds `powers` to the first cells of 2q + 1 rows, or takes them away. Whether there may soon be no room for more.
 ///
 /// Not inline: in the loop over q it would have to keep numbers for each of its arms in step.
@@ -420,6 +538,7 @@ fn add_rows<T: Sum, const FALLS: bool, const ROWS: usize, const GROUPS: usize>(
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::self_organizing::Daylight;
     use proptest::prelude::*;
 
     const SIZE: IVec3 = IVec3::new(11, 9, 70);
@@ -428,8 +547,19 @@ mod tests {
     fn brute_force(grid: &Grid, cells: &[IVec3], at: IVec3) -> u32 {
         let power = |cell: &IVec3| {
             let q = usize::try_from(cell.y - at.y).ok().filter(|&q| q < grid.powers.len())?;
-            let away = (*cell - at).abs();
-            (away.x.max(away.z) <= q as i32).then(|| u32::from(grid.powers[q][0][0]))
+            let slice = &grid.powers[q];
+            let (x, z) = (at.x - cell.x - slice.x, at.z - cell.z - slice.z);
+            match &slice.rows {
+                Rows::Same(_) => {
+                    let inside = (x.max(z) <= 2 * q as i32) && x.min(z) >= 0;
+                    inside.then(|| u32::from(slice.middle()))
+                }
+                Rows::Each(rows) => {
+                    let row = rows.get(usize::try_from(z).ok()?)?;
+                    let x = usize::try_from(x).ok()?;
+                    row.get(x / LANES).map(|group| u32::from(group[x % LANES]))
+                }
+            }
         };
         cells.iter().filter_map(power).sum()
     }
@@ -456,7 +586,7 @@ mod tests {
         /// Also where so much shade falls that 16 bits are too few.
         #[test]
         fn sums_are_exact_through_growth_and_fall(
-            height in 0u32..12, threads in 1usize..4, dense in 0i32..300,
+            height in 0u32..12, threads in 1usize..4, dense in 0i32..300, latitude in prop::option::of(-1.5f32..1.5),
             cells in prop::collection::vec((0..SIZE.x, 0..SIZE.y, 0..SIZE.z), 1..60), part in any::<prop::sample::Index>(),
         ) {
             let mut cells: Vec<IVec3> = cells.into_iter().map(IVec3::from).collect();
@@ -465,7 +595,8 @@ mod tests {
             let kept = part.index(cells.len());
             let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("a pool");
             pool.install(|| {
-                let mut grid = Grid::new(SIZE, height, 1.3);
+                let light = latitude.map_or_else(Vec::new, |at| Daylight::at_latitude(at).directions());
+                let mut grid = Grid::new(SIZE, height, 1.3, light);
                 for some in cells.chunks(50) {
                     grid.cast(&casters(&grid, some, false), 1.0);
                 }
@@ -476,10 +607,37 @@ mod tests {
         }
     }
 
+    /// A leaning shadow is as dark at each depth as the pyramid, and falls away from the light.
+    #[test]
+    fn leaning_shadows_are_as_dark_as_the_pyramid() {
+        let sum = |slice: &Slice| match &slice.rows {
+            Rows::Same(_) => slice.cells() as f32 * f32::from(slice.middle()),
+            Rows::Each(rows) => rows.iter().flatten().flatten().map(|&power| f32::from(power)).sum(),
+        };
+        for latitude in [-0.9f32, 0.0, 0.4, 0.9] {
+            let light = Daylight::at_latitude(latitude).directions();
+            let (leaning, plain) = (Grid::new(SIZE, 6, 1.5, light), Grid::new(SIZE, 6, 1.5, Vec::new()));
+            for (one, other) in leaning.powers.iter().zip(&plain.powers) {
+                assert!((sum(one) - sum(other)).abs() < 0.03 * sum(other), "{} for {}", sum(one), sum(other));
+            }
+            let last = &leaning.powers[6];
+            let Rows::Each(rows) = &last.rows else { panic!("it leans") };
+            let along = rows
+                .iter()
+                .zip(last.z..)
+                .map(|(row, z)| row.iter().flatten().map(|&power| f32::from(power)).sum::<f32>() * z as f32);
+            let mean = along.sum::<f32>() / sum(last);
+            assert!(
+                if latitude == 0.0 { mean.abs() < 0.1 } else { mean * latitude < -0.3 * latitude.abs() },
+                "{mean}"
+            );
+        }
+    }
+
     #[test]
     fn only_layers_in_deep_shade_are_wide() {
-        let mut grid = Grid::new(SIZE, 2, 8.0);
-        assert_eq!(grid.powers.iter().map(|row| row[0][0]).collect::<Vec<_>>(), [729, 91, 11]);
+        let mut grid = Grid::new(SIZE, 2, 8.0, Vec::new());
+        assert_eq!(grid.powers.iter().map(Slice::middle).collect::<Vec<_>>(), [729, 91, 11]);
         let node = casters(&grid, &[IVec3::new(5, 5, 30)], false);
         let wide = |grid: &Grid| -> Vec<usize> {
             let layers = grid.layers.iter().enumerate();

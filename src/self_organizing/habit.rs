@@ -4,6 +4,7 @@ use super::axis::Axis;
 use super::cut::Regrowth;
 use super::offspring::Offspring;
 use super::phyllotaxis::Phyllotaxis;
+use super::sag::Sag;
 use super::stature::Stature;
 use super::vigor::VigorModel;
 use crate::ParameterError;
@@ -49,6 +50,7 @@ pub struct Habit {
     pub(super) regrowth: Option<Regrowth>,
     pub(super) stature: Option<Stature>,
     pub(super) axes: Vec<Axis>,
+    pub(super) sag: Option<Sag>,
 }
 
 impl Habit {
@@ -67,7 +69,7 @@ crate::recipe::readable!(Habit {
     vigor_model: VigorModel, vigor_multiplier: f32, lateral_angle: f32, phyllotaxis: Phyllotaxis,
     default_weight: f32, optimal_weight: f32, tropism: Vec3, shedding: Option<Shedding>,
     offspring: Option<Offspring>, width_exponent: f32, tip_radius: f32, regrowth: Option<Regrowth>,
-    stature: Option<Stature>,
+    stature: Option<Stature>, sag: Option<Sag>,
 });
 
 /// When a tree gives up a branch: once its vigor falls below `multiplier · (child count^(1/n))^exponent`, the
@@ -113,7 +115,8 @@ impl Shedding {
 impl Default for Habit {
     /// The original's: extended Borchert-Honda with apical control 0.5, vigor multiplier 2, metamers of 0.02 m,
     /// lateral buds scattered within 45°, weights 1 (default), 0.1 (optimal) and 0 (its tropism is off), its
-    /// shedding, no offspring, width exponent 2.5, tips of 0.5 mm. Ours: regrowth at cuts, no stature, all axes alike.
+    /// shedding, no offspring, width exponent 2.5, tips of 0.5 mm. Ours: regrowth at cuts, no stature, all axes alike, no
+    /// sag.
     fn default() -> Self {
         Self {
             vigor_model: VigorModel::default(),
@@ -134,6 +137,7 @@ impl Default for Habit {
             regrowth: Some(Regrowth::default()),
             stature: None,
             axes: Vec::new(),
+            sag: None,
         }
     }
 }
@@ -241,6 +245,12 @@ impl Habit {
         self
     }
 
+    /// Sets how limbs bend under their own load; `None`, the default, for not at all.
+    pub fn with_sag(mut self, sag: impl Into<Option<Sag>>) -> Self {
+        self.sag = sag.into();
+        self
+    }
+
     /// Sets the architecture by branch order: that of the trunk first, then that of branches of order 1, and so on. The
     /// last holds for all higher orders. None by default: all axes are alike, with the habit's own parameters.
     ///
@@ -301,6 +311,7 @@ impl Habit {
         within("Habit.shade_tolerance", self.shade_tolerance, 1e-3, 1e3)?;
         self.regrowth.map_or(Ok(()), Regrowth::check)?;
         self.stature.map_or(Ok(()), Stature::check)?;
+        self.sag.map_or(Ok(()), Sag::check)?;
         self.axes.iter().try_for_each(Axis::check)
     }
 

@@ -13,17 +13,22 @@
 
 mod axis;
 mod colonization;
+#[cfg(feature = "json")]
+mod compact;
 mod cut;
+mod daylight;
 mod environment;
 mod forest;
 mod garden;
 mod grid;
 mod habit;
+mod lapse;
 mod offspring;
 mod pass;
 mod phyllotaxis;
 mod region;
 mod room;
+mod sag;
 #[cfg(feature = "serde")]
 mod saved;
 mod season;
@@ -40,12 +45,16 @@ mod width;
 
 pub use axis::Axis;
 pub use colonization::SpaceColonization;
+#[cfg(feature = "json")]
+pub use compact::ReadForestError;
 pub use cut::Regrowth;
+pub use daylight::Daylight;
 pub use environment::{Bud, Environment};
 pub use forest::{Forest, ForestError};
 pub use habit::{Habit, Shedding};
 pub use offspring::Offspring;
 pub use phyllotaxis::Phyllotaxis;
+pub use sag::Sag;
 pub use shadow::ShadowPropagation;
 pub use single::SelfOrganizing;
 pub use stature::Stature;

@@ -153,6 +153,13 @@ pub(super) fn tell(environment: &mut impl Environment, told: &[f32], mut changes
             update(&mut now, TOLD);
         }
         update(&mut now, 1);
+        // What has moved may have appeared in this very turn, so the environment knows of it by now.
+        for (_, change) in changes.iter_mut().filter(|(of, _)| *of as usize == habit) {
+            let (from, to): (Vec<_>, Vec<_>) = std::mem::take(&mut change.moved).into_iter().unzip();
+            if !from.is_empty() {
+                environment.update_moved(shade, &from, &to);
+            }
+        }
     }
 }
 

@@ -15,21 +15,21 @@ use glam::Vec3;
 #[derive(serde::Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct Saved<E> {
-    environment: E,
-    habits: Vec<Habit>,
-    trees: Vec<Tree>,
-    seed: u64,
-    season: u16,
-    turn: u32,
-    next_tree: u32,
-    most_metamers: usize,
-    most_trees: usize,
+    pub(super) environment: E,
+    pub(super) habits: Vec<Habit>,
+    pub(super) trees: Vec<Tree>,
+    pub(super) seed: u64,
+    pub(super) season: u16,
+    pub(super) turn: u32,
+    pub(super) next_tree: u32,
+    pub(super) most_metamers: usize,
+    pub(super) most_trees: usize,
     /// Files from before there were parts do not have it.
     #[serde(default = "one")]
-    parts: u32,
+    pub(super) parts: u32,
     /// Files from before shapes were marked do not have it.
     #[serde(default)]
-    room: Marks,
+    pub(super) room: Marks,
 }
 
 /// Writes what tells a room from others.
@@ -117,16 +117,16 @@ impl<E: Environment> TryFrom<Saved<E>> for Forest<E> {
 #[derive(serde::Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct SavedTree {
-    nodes: Vec<Node>,
-    number: u32,
-    habit: u32,
-    generation: u16,
-    next_number: u32,
-    vigor: f32,
+    pub(super) nodes: Vec<Node>,
+    pub(super) number: u32,
+    pub(super) habit: u32,
+    pub(super) generation: u16,
+    pub(super) next_number: u32,
+    pub(super) vigor: f32,
     /// Files from before there was regrowth do not have these.
-    bare_since: Option<u16>,
+    pub(super) bare_since: Option<u16>,
     #[serde(default)]
-    releases: Vec<Release>,
+    pub(super) releases: Vec<Release>,
 }
 
 impl TryFrom<SavedTree> for Tree {

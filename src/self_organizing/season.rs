@@ -31,6 +31,8 @@ pub(super) struct Plan {
     /// The lowest nodes of what will be shed, ascending.
     shed: Vec<u32>,
     vigor: f32,
+    /// The moments of what stands before shoots grow, if it sags.
+    moments: Vec<Vec3>,
     /// Metamers that will appear, unless there is no room for them.
     pub(super) metamers: u64,
 }
@@ -57,6 +59,8 @@ pub(super) struct Setting<'a, E> {
 pub(super) struct Change {
     pub(super) appeared: Vec<Vec3>,
     pub(super) fallen: Vec<Vec3>,
+    /// From where to where nodes have moved, those that have appeared included.
+    pub(super) moved: Vec<(Vec3, Vec3)>,
 }
 
 impl Tree {
@@ -280,6 +284,9 @@ impl Tree {
                     shoot.node != FALLS
                 });
             }
+            if let Some(sag) = setting.habit.sag {
+                plan.moments = self.moments(setting.habit, sag);
+            }
             // A tree takes no more memory than it needs, and no more than it has where there may not be room for it
             // all.
             self.nodes.reserve_exact((plan.metamers as usize).min(self.nodes.len() + 1024));
@@ -291,6 +298,9 @@ impl Tree {
         if part.index + 1 == part.of {
             plan.shoots = Vec::new();
             self.count();
+            if let Some(sag) = setting.habit.sag {
+                change.moved = self.sag(&std::mem::take(&mut plan.moments), sag, setting);
+            }
         }
         change
     }

@@ -1,5 +1,6 @@
 //! Shadow propagation: each node casts a pyramid of shadow onto the cells below it.
 
+use super::daylight::Daylight;
 use super::environment::{Bud, Environment};
 use super::grid::{Caster, Grid, MOST_CELLS, MOST_ON_AXIS};
 use super::habit::{Habit, within};
@@ -36,6 +37,8 @@ const PART: usize = 1024;
 /// and at least by what is scattered ([`with_scattered`](Self::with_scattered)). The less there is, the more the
 /// optimal direction turns to where it comes from, and the more it weighs, up to four times. That field covers the box and the obstacles around it, in about 2¹⁸
 /// cells at most, and is worked out once when obstacles are added.
+///
+/// By default all of the sky is equally bright; [`Daylight`] adds the sun.
 ///
 /// The powers are rounded to whole parts of a, so that sums are exact whatever their order: the grid after any
 /// growth, shedding and cutting is to the bit the one of the nodes that stand. The parts are 512 to 729, so that the
@@ -80,7 +83,7 @@ pub struct ShadowPropagation {
 
 crate::recipe::readable!(in options: ShadowPropagation {
     cell: f32, full_exposure: f32, height: u32, strength: f32, falloff: f32, darkest: Option<f32>,
-    scattered: f32,
+    scattered: f32, daylight: Option<Daylight>,
 });
 
 /// Obstacles that hide the sky.
@@ -111,6 +114,9 @@ struct Options {
     /// Files from before obstacles cast shade do not have it.
     #[cfg_attr(feature = "serde", serde(default = "scattered"))]
     scattered: f32,
+    /// Files from before there was a sun do not have it.
+    #[cfg_attr(feature = "serde", serde(default))]
+    daylight: Option<Daylight>,
 }
 
 /// The default of [`ShadowPropagation::with_scattered`].
@@ -140,6 +146,7 @@ impl ShadowPropagation {
             falloff: 1.5,
             darkest: None,
             scattered: scattered(),
+            daylight: None,
         };
         Self::of(options)
     }
@@ -191,6 +198,14 @@ impl ShadowPropagation {
         self
     }
 
+    /// Sets where light comes from; `None`, the default, for a sky that is equally bright everywhere, and shadows
+    /// straight below. Otherwise shadows fall away from the light, and obstacles hide what lies in its directions. A
+    /// shadow is as dark as the pyramid at each depth, however it is spread.
+    pub fn with_daylight(mut self, daylight: impl Into<Option<Daylight>>) -> Self {
+        self.options.daylight = daylight.into();
+        self.reset()
+    }
+
     /// The shadow s at `point`; 0 where there is none.
     pub fn shadow(&self, point: Vec3) -> f32 {
         self.value(self.cell_of(point))
@@ -224,9 +239,10 @@ impl ShadowPropagation {
 
     fn build(&mut self) {
         if self.grid.is_empty() {
-            let Options { min, max, cell, height, falloff, .. } = self.options;
+            let Options { min, max, cell, height, falloff, daylight, .. } = self.options;
             let size = ((max - min) / cell).ceil().as_ivec3().max(IVec3::ONE);
-            self.grid = Grid::new(size, height, falloff);
+            let light = daylight.map_or_else(Vec::new, |daylight| daylight.directions());
+            self.grid = Grid::new(size, height, falloff, light);
         }
     }
 
@@ -257,7 +273,8 @@ impl ShadowPropagation {
                 bounds.max.y = bounds.max.y.max(max.y + height);
             }
         }
-        Some(Sky::new(bounds, cell, &all))
+        let light = self.options.daylight.map_or_else(Daylight::overcast, |daylight| daylight.directions());
+        Some(Sky::new(bounds, cell, &all, &light))
     }
 
     /// Makes room for nodes in all these places, if there can be.
@@ -347,6 +364,14 @@ impl Environment for ShadowPropagation {
         self.grid.cast(&[casters, falling].concat(), shade);
     }
 
+    fn update_moved(&mut self, shade: f32, from: &[Vec3], to: &[Vec3]) {
+        // Most stay in their cell.
+        let leave = |&(from, to): &(Vec3, Vec3)| self.cell_of(from) != self.cell_of(to);
+        let pairs = from.iter().copied().zip(to.iter().copied());
+        let (from, to): (Vec<Vec3>, Vec<Vec3>) = pairs.filter(leave).unzip();
+        self.update_shaded(shade, &to, &from);
+    }
+
     fn obstruct(&mut self, obstacles: &[Arc<dyn Shape>], terrain: Option<&Arc<dyn Terrain>>) {
         self.has_terrain = terrain.is_some();
         self.pending = Some(Hiding { obstacles: obstacles.to_vec(), terrain: terrain.cloned() });
@@ -361,8 +386,19 @@ impl Environment for ShadowPropagation {
     }
 
     fn check(&self) -> Result<(), ParameterError> {
-        let Options { min, max, cell, full_exposure, height, strength, falloff, darkest, scattered } =
-            self.options;
+        let Options {
+            min,
+            max,
+            cell,
+            full_exposure,
+            height,
+            strength,
+            falloff,
+            darkest,
+            scattered,
+            daylight,
+        } = self.options;
+        daylight.map_or(Ok(()), |daylight| daylight.check())?;
         within("ShadowPropagation.cell", cell, 1e-6, 1e6)?;
         let bounds = Bounds::new(min, max);
         let cells = bounds.size() / cell;

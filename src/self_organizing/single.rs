@@ -144,6 +144,15 @@ impl<E: Environment> SelfOrganizing<E> {
         }
     }
 
+    /// The tree on the way from `before` to now; see [`Forest::skeletons_since`].
+    ///
+    /// # Errors
+    /// `part` not in [0, 1].
+    pub fn skeleton_since(&self, before: &Self, part: f32) -> Result<Skeleton, ForestError> {
+        let mut trees = self.forest.skeletons_since(&before.forest, part)?;
+        trees.pop().map_or_else(|| Ok(Skeleton::new(vec![Vec3::ZERO], vec![None])?), Ok)
+    }
+
     /// The species, to be changed between seasons.
     pub fn habit_mut(&mut self) -> &mut Habit {
         &mut self.forest.habits_mut()[0]
@@ -152,6 +161,11 @@ impl<E: Environment> SelfOrganizing<E> {
     /// The environment as the latest season left it.
     pub fn environment(&self) -> &E {
         self.forest.environment()
+    }
+
+    /// Changes the environment between seasons; see [`Forest::environment_mut`].
+    pub fn environment_mut<T>(&mut self, change: impl FnOnce(&mut E) -> T) -> T {
+        self.forest.environment_mut(change)
     }
 
     /// What [`with_most_metamers`](Self::with_most_metamers) sets.

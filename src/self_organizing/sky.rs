@@ -7,10 +7,6 @@ use std::sync::Arc;
 
 /// About the most cells of the field.
 const MOST_CELLS: f32 = (1 << 18) as f32;
-/// Rings of directions: the angle from the zenith, degrees; directions in the ring; the weight of the ring, which is the
-/// light that a level surface gets from its part of a sky that is equally bright everywhere.
-const RINGS: [(f32, u32, f32); 3] = [(0.0, 1, 0.07), (30.0, 6, 0.43), (58.0, 10, 0.5)];
-
 /// How much of the sky can be seen from the cells of a box.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Sky {
@@ -23,29 +19,24 @@ pub(super) struct Sky {
 }
 
 impl Sky {
-    /// Of a box `bounds`, as fine as `cell` metres if there is memory for it. O(cells · directions), and as many calls of
+    /// Of a box `bounds` in light from these directions, unit vectors above the horizon with weights that add up to 1, as fine as `cell` metres if there is memory for it. O(cells · directions), and as many calls of
     /// `contains` as cells, times four.
     ///
     /// Each direction is followed from the top down, layer by layer: what gets through a cell is what gets through
     /// the place above it in that direction. Places are interpolated, so some light leaks through walls that are one cell
     /// thick: up to a third of what they should hold back.
-    pub(super) fn new(bounds: Bounds, cell: f32, obstacles: &[Arc<dyn Shape>]) -> Self {
+    pub(super) fn new(
+        bounds: Bounds,
+        cell: f32,
+        obstacles: &[Arc<dyn Shape>],
+        directions: &[(Vec3, f32)],
+    ) -> Self {
         let extent = bounds.size().max(Vec3::splat(cell));
         let cell = cell
             .max(math::cbrt(extent.x) * math::cbrt(extent.y) * math::cbrt(extent.z) / math::cbrt(MOST_CELLS));
         let size = (extent / cell).ceil().as_ivec3().max(IVec3::ONE);
         let mut sky = Self { low: bounds.min, cell, size, cells: Vec::new() };
         let layers = parallel::map(size.y as usize, |y| sky.blocked(y as i32, obstacles));
-        let directions: Vec<(Vec3, f32)> = RINGS
-            .iter()
-            .flat_map(|&(zenith, count, weight)| {
-                let (sin, cos) = math::sin_cos(zenith.to_radians());
-                (0..count).map(move |i| {
-                    let (s, c) = math::sin_cos((i as f32 + 0.5) / count as f32 * std::f32::consts::TAU);
-                    (Vec3::new(sin * c, cos, sin * s), weight / count as f32)
-                })
-            })
-            .collect();
         let through = parallel::map(directions.len(), |i| sky.follow(directions[i].0, &layers));
         let count = size.to_array().iter().map(|&cells| cells as usize).product();
         let mut cells = vec![(0.0, Vec3::ZERO); count];
@@ -153,11 +144,12 @@ impl Sky {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::self_organizing::daylight::Daylight;
     use crate::shape::Cuboid;
 
     fn sky(obstacles: &[Arc<dyn Shape>]) -> Sky {
         let bounds = Bounds::new(Vec3::new(-2.0, 0.0, -2.0), Vec3::new(2.0, 3.0, 2.0));
-        Sky::new(bounds, 0.05, obstacles)
+        Sky::new(bounds, 0.05, obstacles, &Daylight::overcast())
     }
 
     #[test]

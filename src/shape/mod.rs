@@ -14,6 +14,7 @@
 //! points of it.
 
 mod bounds;
+mod brush;
 mod combine;
 mod cone;
 mod cuboid;
@@ -30,6 +31,7 @@ mod tests;
 mod up;
 
 pub use bounds::Bounds;
+pub use brush::Brush;
 pub use combine::{Difference, Intersection, Translated, Union};
 pub use cone::{Cone, Cylinder};
 pub use cuboid::Cuboid;

@@ -27,6 +27,7 @@ fn shapes(center: Vec3, sizes: Vec3) -> Vec<(&'static str, Box<dyn Shape>)> {
         ("HalfEllipsoid", boxed(half)),
         ("Cone", boxed(Cone::new(center, sizes.x, sizes.y))),
         ("Cylinder", boxed(Cylinder::new(center, sizes.x, sizes.y))),
+        ("Brush", boxed(Brush::new(vec![center, center + sizes, center + sizes.with_y(0.0)], 0.5 * sizes.x))),
         ("Shell", boxed(Shell::new(ellipsoid, 0.3))),
         ("Shell of a dome", boxed(Shell::new(half, 0.3).about(center))),
         ("Union", boxed(Union::new(ellipsoid, cuboid))),
@@ -255,6 +256,7 @@ fn checks_name_the_parameter() {
         expect(&Cylinder::new(at, bad, 1.0), "Cylinder.radius");
         expect(&Cylinder::new(at, 1.0, bad), "Cylinder.height");
     }
+    expect(&Brush::new(Vec::new(), 1.0), "Brush.points");
     for flat in [Vec3::new(1.0, 0.0, 1.0), Vec3::new(1.0, -1.0, 1.0), Vec3::ZERO] {
         expect(&Cuboid::centered(at, flat), "Cuboid.max");
     }

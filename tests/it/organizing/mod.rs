@@ -3,13 +3,17 @@
 mod axes;
 mod garden;
 mod growth;
+mod lapse;
 mod light;
 mod parts;
 mod room;
+mod sag;
 #[cfg(feature = "json")]
 mod saved;
 mod space;
 mod stands;
+mod sun;
+mod tended;
 
 use crate::sample::fnv1a;
 use treesynth::self_organizing::{Environment, Forest};

@@ -16,7 +16,7 @@ fn reread(forest: &Forest) -> Forest {
     serde_json::from_str(&text).expect("what was just written")
 }
 
-fn finish<E: Environment>(mut forest: Forest<E>, seasons: u16) -> u64 {
+pub(super) fn finish<E: Environment>(mut forest: Forest<E>, seasons: u16) -> u64 {
     while forest.season() < seasons {
         forest.step().expect("no limit is near");
     }

@@ -34,7 +34,10 @@ fn longest_shoot(tree: &Skeleton) -> f32 {
 
 #[test]
 fn the_density_of_markers_matters_little() {
-    for (seed, apical_control) in [(1, 0.5), (2, 0.5), (3, 0.48)] {
+    let cases = [0.46, 0.48, 0.5, 0.52, 0.55]
+        .into_iter()
+        .flat_map(|control| (1..=4).map(move |seed| (seed, control)));
+    for (seed, apical_control) in cases {
         let trees = [50.0, 100.0, 200.0].map(|density| grown(density, apical_control, seed));
         let metamers = trees.each_ref().map(SelfOrganizing::metamers);
         let (least, most) = (metamers.iter().min().unwrap(), metamers.iter().max().unwrap());

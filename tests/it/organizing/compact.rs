@@ -1,0 +1,86 @@
+//! Forests in the compact form.
+
+use super::growth::stand;
+use super::saved::finish;
+use std::ops::ControlFlow;
+use std::sync::atomic::{AtomicUsize, Ordering};
+use treesynth::Progress;
+use treesynth::glam::Vec3;
+use treesynth::self_organizing::{
+    Environment, Forest, ForestError, Habit, ShadowPropagation, SpaceColonization,
+};
+use treesynth::shape::Sphere;
+
+/// In the compact form.
+fn packed<E: Environment + serde::Serialize + serde::de::DeserializeOwned>(
+    forest: &Forest<E>,
+) -> (Forest<E>, usize) {
+    let mut bytes = Vec::new();
+    forest.write_compact(&mut bytes).expect("a forest can be written");
+    (Forest::read_compact(&bytes[..]).expect("what was just written"), bytes.len())
+}
+
+/// At any moment, under both environments, and in a seventh of the bytes of JSON.
+#[test]
+fn the_compact_form_is_the_same_forest() {
+    for seed in 1..=3 {
+        let straight = finish(stand(seed), 8);
+        for stop in 0..30 {
+            let calls = AtomicUsize::new(0);
+            let watch = |_: Progress| match calls.fetch_add(1, Ordering::Relaxed) {
+                call if call == stop => ControlFlow::Break(()),
+                _ => ControlFlow::Continue(()),
+            };
+            let mut forest = stand(seed);
+            assert_eq!(forest.grow_observed(8, &watch), Err(ForestError::Cancelled));
+            let (read, _) = packed(&forest);
+            assert_eq!(read.trees(), forest.trees());
+            assert_eq!(finish(read, 8), straight, "seed {seed}, stopped at report {stop}");
+        }
+        let mut forest = stand(seed);
+        forest.grow(14).expect("no limit is near");
+        let node = forest.trees()[0].ids().nth(5).expect("it has grown");
+        forest.cut(0, node).expect("it stands");
+        let (read, bytes) = packed(&forest);
+        let text = serde_json::to_string(&forest).expect("a forest can be written").len();
+        assert!(
+            bytes < 21 * forest.metamers() && 6 * bytes < text,
+            "{bytes} of {text}, {}",
+            forest.metamers()
+        );
+        assert_eq!(finish(read, 18), finish(forest, 18));
+        let ball = Sphere::new(Vec3::Y * 0.5, 0.5);
+        let space = SpaceColonization::in_shape(&ball, 1500, seed).expect("a sound shape");
+        let mut forest = Forest::new(space, Habit::default(), seed);
+        forest.plant(Vec3::ZERO).expect("there is room");
+        forest.grow(6).expect("no limit is near");
+        assert_eq!(finish(packed(&forest).0, 12), finish(forest, 12));
+    }
+}
+
+/// Damaged bytes are an error or another sound forest, and never more than that.
+#[test]
+fn damaged_bytes_are_refused() {
+    let mut forest = stand(1);
+    forest.grow(4).expect("no limit is near");
+    let mut bytes = Vec::new();
+    forest.write_compact(&mut bytes).expect("a forest can be written");
+    let read = |bytes: &[u8]| Forest::<ShadowPropagation>::read_compact(bytes);
+    for end in (0..bytes.len()).step_by(7) {
+        assert!(read(&bytes[..end]).is_err(), "cut off at {end} of {}", bytes.len());
+    }
+    let mut refused = 0;
+    for place in (0..bytes.len()).step_by(3) {
+        let mut bent = bytes.clone();
+        bent[place] ^= 1 << (place % 8);
+        match read(&bent) {
+            Err(_) => refused += 1,
+            Ok(read) => {
+                read.skeletons().expect("radii").iter().for_each(|tree| tree.check().expect("a sound tree"))
+            }
+        }
+    }
+    assert!(refused * 20 > bytes.len() / 3, "{refused} of {}", bytes.len() / 3);
+    assert!(read(b"treesynth forest 1\n\xff\xff\xff\xff\xff\xff\xff\xff{}").is_err());
+    assert!(read(b"{}").is_err());
+}
