@@ -1,7 +1,7 @@
 //! Generalized cylinders along the branches.
 
 use super::axis::Axes;
-use super::weave::Plan;
+use super::plan::Plan;
 use super::{Mesh, SurfaceError, Sway, far};
 use crate::math;
 use crate::observer::{Observer, Silent, Watch, Work};
