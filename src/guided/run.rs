@@ -343,18 +343,12 @@ impl Ahead {
             if self.ends.len() < open + neighbours.len() {
                 self.ends.resize(open + neighbours.len(), (0, Vec3::ZERO));
             }
-            let cost = entry.cost();
             for &to in neighbours {
-                self.ends[open].0 = to;
+                self.ends[open] = (to, graph.positions()[to as usize]);
                 // As cheap already, so settled or about to be: asking for the weight would be in vain.
-                open += usize::from(search.costs[to as usize] > cost);
+                open += usize::from(search.costs[to as usize] > entry.cost());
             }
             self.starts.push(open);
-        }
-        // Where the others are need not be read.
-        let positions = graph.positions();
-        for (to, end) in &mut self.ends[..open] {
-            *end = positions[*to as usize];
         }
         self.weights.clear();
         self.weights.resize(open, 0.0);
