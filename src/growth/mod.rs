@@ -17,6 +17,7 @@ pub mod equation;
 mod form;
 mod kinds;
 mod phenology;
+mod sprouting;
 mod structure;
 mod thickness;
 mod timeline;

@@ -24,6 +24,10 @@ use std::sync::Arc;
 /// whose tips or length have changed, and so mostly all is searched anew. [`Apart`](super::Apart) asks what
 /// lies beside the tree, which changes little.
 ///
+/// What the edited tree keeps is what its endpoints keep. Those that nodes draw for themselves stay wherever nothing has
+/// changed: [`Count::Each`](super::Count::Each) of a whole surface. A [share](super::Count::Share) or a count, and the
+/// [outermost fraction](super::HopSurface::with_outermost), are chosen among all candidates, so that some change far away too.
+///
 /// Memory: 36 bytes a node and stage, 4 bytes an edge. Stages that [refine](super::Refinement) are refused: their
 /// graph is another one after every edit.
 ///

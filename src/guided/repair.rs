@@ -19,6 +19,8 @@ use std::sync::OnceLock;
 pub(super) struct Origins {
     starts: Vec<u32>,
     nodes: Vec<u32>,
+    /// Length of the longest edge, metres.
+    longest: f32,
 }
 
 impl Origins {
@@ -36,7 +38,8 @@ impl Origins {
             origins[next[to as usize] as usize] = from;
             next[to as usize] += 1;
         }
-        Self { starts, nodes: origins }
+        let length = |(from, to)| graph.position(from).distance(graph.position(to));
+        Self { starts, nodes: origins, longest: ends().map(length).fold(0.0, f32::max) }
     }
 
     fn of_node(&self, node: u32) -> &[u32] {
@@ -240,8 +243,14 @@ impl Repair<'_, '_> {
             let (low, high) = (a.min(b), a.max(b));
             boxes.iter().any(|bounds| low.cmple(bounds.max).all() && high.cmpge(bounds.min).all())
         };
+        // No edge is longer, whatever its ends round to.
+        let longest = self.origins.longest * 1.01;
+        let near: Vec<Bounds> = boxes.iter().map(|bounds| bounds.grown(longest)).collect();
         for from in 0..graph.nodes() as u32 {
             let start = graph.position(from);
+            if !near.iter().any(|bounds| bounds.contains(start)) {
+                continue;
+            }
             for &to in graph.neighbours(from) {
                 if meets(start, graph.position(to)) {
                     self.open(to);

@@ -1,6 +1,6 @@
 //! Gaps between tubes and their parent branches, measured on the triangles.
 
-use super::weave::Plan;
+use super::plan::Plan;
 use super::{Mesh, Tubes};
 use crate::Skeleton;
 use glam::{DVec3, Vec3};
@@ -259,6 +259,13 @@ mod tests {
             let ages = preset.ages.iter().map(|age| age.min(14.6));
             let trees: Vec<Skeleton> = ages.map(|age| growth.at(age).expect("an age").skeleton).collect();
             check(preset.name, &trees, &Tubes::default());
+        }
+    }
+
+    #[test]
+    fn tubes_of_few_rings_touch_what_bears_them() {
+        for turn in [4.0, 1.0] {
+            hold_presets(2, 5_000, 300, &Tubes::default().with_turn(turn));
         }
     }
 

@@ -1,7 +1,7 @@
 //! One tree in several levels of detail.
 
+use super::plan::Plan;
 use super::tube::PLANNING;
-use super::weave::Plan;
 use super::{Mesh, SurfaceError, Tubes, far};
 use crate::observer::{Observer, Watch, Work};
 use crate::parallel;

@@ -34,12 +34,14 @@ mod mask;
 mod material;
 mod mesh;
 mod part;
+mod plan;
 mod rig;
 #[cfg(test)]
 mod sample;
 mod scene;
 mod simplify;
 mod sway;
+mod swung;
 mod transform;
 mod tube;
 mod unwrap;

@@ -1,7 +1,7 @@
 //! Generalized cylinders along the branches.
 
 use super::axis::Axes;
-use super::weave::Plan;
+use super::plan::Plan;
 use super::{Mesh, SurfaceError, Sway, far};
 use crate::math;
 use crate::observer::{Observer, Silent, Watch, Work};
@@ -13,6 +13,9 @@ use std::f32::consts::PI;
 pub(super) const PLANNING: usize = 1024;
 /// Vertices of one mesh at the most: with its triangles 11 GB. A million branches need less.
 const MOST_VERTICES: usize = 150_000_000;
+/// The most that an axis turns from ring to ring where branches have collars, radians: rings that are more oblique to each
+/// other leave too little wood between them for a collar to begin in.
+const MOST_TURN: f32 = 1.0;
 /// Greatest factor by which branches are wider to make up for those left out.
 const MOST_WIDENING: f32 = 1.3;
 
@@ -124,7 +127,9 @@ impl Tubes {
     }
 
     /// The angle by which an axis may turn from one ring to the next, on the average of an internode; radians, 0.05 (3°)
-    /// up; default 20°. Every node has a ring anyway, so that from 2π up there are no more.
+    /// up; default 20°. Every node has a ring anyway, so that from 2π up there are no more; with
+    /// [collars](Self::with_collars) any angle above 1 (57°) is the same as 1, or branches would come off where their
+    /// parent branch bends.
     pub fn with_turn(mut self, angle: f32) -> Self {
         self.turn = angle;
         self
@@ -304,6 +309,7 @@ impl Tubes {
         match self.error {
             // The sagitta of an arc; the other half of the error is for simplifying.
             Some(error) => (turn * length / (4.0 * error)).sqrt().ceil(),
+            None if self.collars => (turn / self.turn.min(MOST_TURN)).ceil(),
             None => (turn / self.turn).ceil(),
         }
         .max(1.0)

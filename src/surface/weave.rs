@@ -1,13 +1,14 @@
 //! Rings of vertices, and the triangles between them.
 
 use super::attach::DOME_SIDES;
-use super::axis::{Axes, Axis, Station};
+use super::axis::{Axis, Station};
 use super::circle::{Circle, Circles};
 use super::collar::{self, Curves};
 use super::lanes::{LANES, Lanes};
 use super::mesh::has_area;
+use super::plan::{MOST_SECTIONS, Plan, blends};
 use super::sway::Bend;
-use super::wood::Place;
+use super::swung::Swung;
 use super::{Mesh, Sway, Tubes, Wind};
 use crate::math::perpendicular;
 use crate::observer::{Cancelled, Watch};
@@ -20,46 +21,8 @@ const HANDEDNESS: f32 = -1.0;
 const THINNEST: f32 = 1.0 / 64.0;
 /// Where a branch is thinner by this factor than where its present section began, the next one begins at the next fork.
 const THINNER: f32 = 1.6;
-/// Sections that a branch has at the most: radii differ by no more than floats can tell.
-const MOST_SECTIONS: usize = 200;
-
-/// All that is known before the first vertex.
-#[derive(Debug)]
-pub(super) struct Plan {
-    pub(super) axes: Axes,
-    /// How it bends, if that is wanted.
-    sway: Option<Sway>,
-    /// At most so many vertices and triangles will be made.
-    pub(super) vertices: usize,
-    pub(super) triangles: usize,
-}
 
 impl Plan {
-    pub(super) fn new(
-        mut axes: Axes,
-        sway: Option<Sway>,
-        options: &Tubes,
-        watch: &Watch<'_>,
-    ) -> Result<Self, Cancelled> {
-        axes.attach(options, watch)?;
-        let (mut vertices, mut triangles) = (0, 0);
-        for axis in &axes.all {
-            let sides = axis.sides as usize;
-            let blended = if axis.has_collar { blends(axis.sides) as usize + 1 } else { 0 };
-            let rings = blended + axis.stations.len() + usize::from(axis.sides >= DOME_SIDES);
-            vertices += rings * (sides + 1) + 1;
-            triangles += (rings - 1) * 2 * sides + sides;
-            if options.even_texels {
-                vertices += axis.stations.len().min(MOST_SECTIONS) * (sides + 1);
-            }
-            if options.closed_base {
-                vertices += sides + 2;
-                triangles += sides;
-            }
-        }
-        Ok(Self { axes, sway, vertices, triangles })
-    }
-
     /// The mesh, a step for 16 vertices of a ring.
     pub(super) fn weave_watched(&self, options: &Tubes, watch: &Watch<'_>) -> Result<Mesh, Cancelled> {
         let mesh = self.weave_all(options, watch, |_, _| {});
@@ -137,11 +100,6 @@ impl Plan {
         }
         weaver.mesh
     }
-}
-
-/// Rings of a collar between its foot and its end.
-fn blends(sides: u32) -> u32 {
-    (sides / 3).clamp(1, 4)
 }
 
 /// A ring in the mesh, or the single vertex it has shrunk to.
@@ -533,76 +491,5 @@ impl Weaver<'_> {
             }
             wind.push(vertex);
         }
-    }
-}
-
-/// How the stations of all axes bend. A branch moves with the triangles of its bearer, and these are straight between two
-/// rings, while the skeleton between is not.
-struct Swung<'a> {
-    sway: &'a Sway,
-    axes: &'a Axes,
-    /// Of each station.
-    bends: Vec<Bend>,
-    /// Difference of each axis' moments from the skeleton's.
-    offsets: Vec<[Vec3; 3]>,
-}
-
-impl<'a> Swung<'a> {
-    fn new(sway: &'a Sway, axes: &'a Axes) -> Self {
-        let none = sway.bend_at(0, 0.0);
-        Self { sway, axes, bends: vec![none; axes.stations.len()], offsets: Vec::new() }
-    }
-
-    /// Has an axis swing, its bearer before it.
-    fn swing(&mut self, number: usize) {
-        let axis = &self.axes.all[number];
-        let base = axis.base.position;
-        let goes_on = number > 0 && self.axes.all[number - 1].branch == axis.branch;
-        let offset = match axis.bearing {
-            Some((bearer, ring)) => {
-                let near = self.axes.wood(bearer).near(base, ring);
-                let first = self.axes.all[bearer].wood + near.place.ring;
-                let last = self.axes.all[bearer].stations.end - 1;
-                let bend = self.bends[first].lerp(&self.bends[(first + 1).min(last)], near.place.part);
-                let own = self.sway.bend_at(axis.branch, axis.base.at).moments_of(base);
-                let borne = bend.moments_of(base);
-                std::array::from_fn(|level| borne[level] - own[level])
-            }
-            None if goes_on => self.offsets[number - 1],
-            None => [Vec3::ZERO; 3],
-        };
-        for station in axis.wood..axis.stations.end {
-            let Station { position, at, .. } = self.axes.stations[station];
-            let mut bend = self.sway.bend_at(axis.branch, at).moved_to(position);
-            bend.moments = std::array::from_fn(|level| bend.moments[level] + offset[level]);
-            self.bends[station] = bend;
-        }
-        self.offsets.push(offset);
-    }
-
-    /// Of each foot of an axis' collar the moments that its place on the bearer has besides those of a ring that bends so,
-    /// and the bearer's node there.
-    fn feet(&self, circles: &Circles, axis: &Axis, curves: &[Curves], ring: &Bend) -> Vec<([Vec3; 3], u32)> {
-        let Some((number, _)) = axis.bearing.filter(|_| axis.has_collar) else { return Vec::new() };
-        let (bearer, wood) = (&self.axes.all[number], self.axes.wood(number));
-        let circle = &circles.of(bearer.sides).corners;
-        let bends = &self.bends[bearer.wood..bearer.stations.end];
-        let foot = |(foot, &(place, turns)): (Vec3, &(Place, f32))| {
-            let (mut moments, mut middle, mut angles) = ([Vec3::ZERO; 3], Vec3::ZERO, [0.0; 3]);
-            let mut at = 0.0;
-            for (ring, corner, weight) in wood.corners(circle, place, turns) {
-                let theirs = bends[ring].moments_of(corner);
-                moments = std::array::from_fn(|level| moments[level] + theirs[level] * weight);
-                angles = std::array::from_fn(|level| angles[level] + bends[ring].angles[level] * weight);
-                middle += corner * weight;
-                at += wood.stations[ring].at * weight;
-            }
-            // It is sunk below the triangles.
-            let there = Bend { at: middle, angles, moments }.moments_of(foot);
-            let own = ring.moments_of(foot);
-            (std::array::from_fn(|level| there[level] - own[level]), self.sway.node_at(bearer.branch, at))
-        };
-        let four = |curves: &Curves| curves.feet().to_array().into_iter().zip(curves.places);
-        curves.iter().flat_map(four).map(|(point, place)| foot((point, &place))).collect()
     }
 }

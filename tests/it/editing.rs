@@ -269,8 +269,10 @@ fn an_edit_of_a_typical_tree_keeps_what_is_elsewhere() {
     };
     let degrees = f32::to_radians;
     let twig = || Bend::piecewise(degrees(25.0), 0.0, 1);
-    // A share of the surface: a count is a choice among all, here and elsewhere.
-    let surface = |hops, share| HopSurface::new(hops, Count::Share(share)).with_hop_length(0.28);
+    // Each node of the whole surface by a draw of its own: a count, a share and the outermost fraction are a choice among
+    // all, here and elsewhere.
+    let surface =
+        |hops, share| HopSurface::new(hops, Count::Each(share)).with_outermost(1.0).with_hop_length(0.28);
     let base = TreeSynth::new(PoissonYao::new(region).with_leader(Leader::new(Vec3::ZERO, Vec3::Y * 8.4)))
         .stage(Stage::new(Bend::piecewise(degrees(60.0), 0.0, 1), crown(0.0)))
         .stage(Stage::new(twig(), surface(4, 0.04)))
@@ -340,7 +342,7 @@ fn an_edit_of_a_typical_tree_keeps_what_is_elsewhere() {
         "median {median} kept beyond 1 m, worst {worst} beyond 2 m, {most} searched, median {time} of the time"
     );
     // Twigs upon twigs reach two metres from a limb that has changed.
-    assert!(median >= 0.975, "{median} of the nodes kept beyond 1 m");
-    assert!(worst >= 0.9, "{worst} of the nodes kept beyond 2 m");
+    assert!(median >= 0.98, "{median} of the nodes kept beyond 1 m");
+    assert!(worst >= 0.98, "{worst} of the nodes kept beyond 2 m");
     assert!(most <= 0.2, "{most} of the nodes searched anew");
 }

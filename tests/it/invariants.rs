@@ -57,6 +57,7 @@ proptest! {
     fn policies(graph in graphs(), region in regions(), seed: u64, hops in 1u32..5, count in 1usize..50) {
         testing::check_endpoints(InShape::poisson_disc(region.clone(), count), &graph, seed)?;
         testing::check_endpoints(InShape::uniform(region, Count::Share(0.2)), &graph, seed)?;
+        testing::check_endpoints(HopSurface::new(hops, Count::Each(0.2)), &graph, seed)?;
         testing::check_endpoints(HopSurface::new(hops, Count::UpTo(count)), &graph, seed)?;
         testing::check_endpoints(HopSurface::new(hops, count).only(Side::Lower), &graph, seed)?;
     }

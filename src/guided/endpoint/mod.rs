@@ -120,6 +120,10 @@ pub enum Count {
     UpTo(usize),
     /// This share of the candidates, in (0, 1], rounded up.
     Share(f32),
+    /// Each candidate with this probability, in (0, 1], whatever becomes of the others; at least one. About as many as
+    /// [`Share`](Self::Share), but after an [edit](super::Regrowth) in one place all choices elsewhere stay. For
+    /// endpoints at distances from each other, as of [`InShape::poisson_disc`], the same as `Share`.
+    Each(f32),
 }
 
 impl From<usize> for Count {
@@ -134,7 +138,7 @@ impl Count {
             Self::Exactly(count) | Self::UpTo(count) => {
                 ParameterError::unless(count > 0, parameter, count, "at least 1")
             }
-            Self::Share(share) => {
+            Self::Share(share) | Self::Each(share) => {
                 ParameterError::unless(share > 0.0 && share <= 1.0, parameter, share, "a share in (0, 1]")
             }
         }
@@ -144,9 +148,27 @@ impl Count {
         let wanted = match self {
             Self::Exactly(count) => count,
             Self::UpTo(count) => count.min(available).max(1),
-            Self::Share(share) => ((available as f32 * share).ceil() as usize).max(1),
+            Self::Share(share) | Self::Each(share) => ((available as f32 * share).ceil() as usize).max(1),
         };
         if wanted <= available { Ok(wanted) } else { Err(EndpointError::TooFew { wanted, available, place }) }
+    }
+
+    /// So many of the candidates, all equally likely: those that draw the lowest numbers, whatever their order.
+    fn choose(
+        self,
+        mut candidates: Vec<u32>,
+        view: &StageView<'_>,
+        place: &'static str,
+    ) -> Result<Vec<u32>, EndpointError> {
+        let mut count = self.of(candidates.len(), place)?;
+        if let Self::Each(share) = self {
+            let key = draws(view);
+            let below = (f64::from(share) * 2.0f64.powi(64)) as u64;
+            let first = candidates.iter().copied().min_by_key(|&node| draw(key, node));
+            candidates.retain(|&node| Some(node) == first || draw(key, node).0 <= below);
+            count = candidates.len();
+        }
+        Ok(choose_uniform(candidates, count, view))
     }
 }
 
@@ -213,13 +235,22 @@ impl<'a> StageView<'a> {
 /// `count` of the candidates, all choices equally likely: those that draw the lowest numbers. A node's number is its own,
 /// so that with other candidates here the choice elsewhere stays.
 fn choose_uniform(candidates: Vec<u32>, count: usize, view: &StageView<'_>) -> Vec<u32> {
-    let key = derive(view.seed, view.stage as u32, Purpose::ENDPOINTS);
-    let draw = |node: u32| (derive(key, node, Purpose::ENDPOINTS), node);
-    let mut drawn: Vec<(u64, u32)> = candidates.into_iter().map(draw).collect();
+    let key = draws(view);
+    let mut drawn: Vec<(u64, u32)> = candidates.into_iter().map(|node| draw(key, node)).collect();
     if count < drawn.len() {
         drawn.select_nth_unstable(count);
         drawn.truncate(count);
     }
     drawn.sort_unstable();
     drawn.into_iter().map(|(_, node)| node).collect()
+}
+
+/// Key of the numbers that a stage's candidates draw.
+fn draws(view: &StageView<'_>) -> u64 {
+    derive(view.seed, view.stage as u32, Purpose::ENDPOINTS)
+}
+
+/// A candidate's number, and the candidate.
+fn draw(key: u64, node: u32) -> (u64, u32) {
+    (derive(key, node, Purpose::ENDPOINTS), node)
 }

@@ -1,7 +1,6 @@
 //! Late endpoints: on a surface extrapolated from the tree so far (section 3.2.3).
 
-use super::{Count, EndpointError, EndpointPolicy, StageView, choose_uniform};
-use crate::guided::queue::Queue;
+use super::{Count, EndpointError, EndpointPolicy, StageView};
 use crate::parameter::ParameterError;
 use crate::random::{Purpose, unit};
 use glam::Vec3;
@@ -120,37 +119,55 @@ impl Surface {
         Self { hops, outermost, random_weights: 0.0, side: None, hop_length: None }
     }
 
-    /// Distance of each node, in hops, from the nearest of `sources`, and that of the last edge on the way; infinite from
-    /// beyond `limit` on.
+    /// Distance of each node, in hops, from the nearest of `sources`, and that of the last edge on the way, the longest of equal
+    /// ways; infinite from beyond `limit` on.
+    ///
+    /// All nodes up to a bound go on, then the bound rises by about half an edge: without a queue, and in an order in which
+    /// one node lies near the next in memory, as it does among the sources. A node to which a shorter way is found later goes
+    /// on once more, which is rare.
     fn distances(&self, sources: &[u32], limit: f32, view: &StageView<'_>) -> Vec<Distance> {
         let graph = view.graph();
         let mut distances = vec![Distance { whole: f32::INFINITY, last: 0.0 }; graph.nodes()];
-        let mut queue = Queue::default();
         for &source in sources {
             distances[source as usize].whole = 0.0;
         }
-        let relax = |here: f32, node: u32, distances: &mut [Distance], queue: &mut Queue| {
-            for &to in graph.neighbours(node) {
-                if distances[to as usize].whole <= here {
+        let mut waiting = sources.to_vec();
+        waiting.sort_unstable();
+        let mut is_waiting = vec![false; graph.nodes()];
+        let mut later = Vec::new();
+        let (mut bound, mut sum, mut edges) = (0.0, 0.0, 0usize);
+        while !waiting.is_empty() {
+            let (before, mut next) = (edges, f32::INFINITY);
+            for node in waiting.drain(..) {
+                let here = distances[node as usize].whole;
+                if here > bound {
+                    next = next.min(here);
+                    later.push(node);
                     continue;
                 }
-                let last = self.weight(node, to, view);
-                let known = &mut distances[to as usize];
-                if here + last < known.whole {
-                    *known = Distance { whole: here + last, last };
-                    // From beyond the limit nothing goes on.
-                    if here + last < limit {
-                        queue.push(here + last, to);
+                is_waiting[node as usize] = false;
+                for &to in graph.neighbours(node) {
+                    if distances[to as usize].whole <= here {
+                        continue;
+                    }
+                    let last = self.weight(node, to, view);
+                    (sum, edges) = (sum + last, edges + 1);
+                    let way = Distance { whole: here + last, last };
+                    let known = &mut distances[to as usize];
+                    if way.whole < known.whole {
+                        *known = way;
+                        // From beyond the limit nothing goes on.
+                        if way.whole < limit && !std::mem::replace(&mut is_waiting[to as usize], true) {
+                            later.push(to);
+                        }
+                    } else if way.whole == known.whole {
+                        known.last = known.last.max(way.last);
                     }
                 }
             }
-        };
-        for &source in sources {
-            relax(0.0, source, &mut distances, &mut queue);
-        }
-        while let Some((here, node)) = queue.pop(|here, node| here <= distances[node as usize].whole) {
-            if here <= distances[node as usize].whole {
-                relax(here, node, &mut distances, &mut queue);
+            std::mem::swap(&mut waiting, &mut later);
+            if edges == before {
+                bound = next + 0.5 * sum / edges.max(1) as f32;
             }
         }
         distances
@@ -237,8 +254,10 @@ impl Surface {
             let rank = |node: u32| Reverse(hops[node as usize]);
             surface.into_iter().map(|node| (rank(node), Reverse(away(node).to_bits()), node)).collect()
         };
-        ranked.sort_unstable();
-        ranked.truncate(kept);
+        if kept < ranked.len() {
+            ranked.select_nth_unstable(kept);
+            ranked.truncate(kept);
+        }
         ranked.into_iter().map(|(_, _, node)| node).collect()
     }
 
@@ -261,9 +280,7 @@ impl Surface {
 impl EndpointPolicy for HopSurface {
     fn select(&self, view: &StageView<'_>) -> Result<Vec<u32>, EndpointError> {
         let surface = self.surface.candidates(view);
-        let count =
-            self.count.of(surface.len(), "on the surface that HopSurface.hops, outermost and only leave")?;
-        Ok(choose_uniform(surface, count, view))
+        self.count.choose(surface, view, "on the surface that HopSurface.hops, outermost and only leave")
     }
 
     fn needs_search(&self) -> bool {

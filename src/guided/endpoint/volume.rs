@@ -142,12 +142,12 @@ impl<S: Shape> InShape<S> {
 impl<S: Shape> EndpointPolicy for InShape<S> {
     fn select(&self, view: &StageView<'_>) -> Result<Vec<u32>, EndpointError> {
         let candidates = view.candidates(|_, position| self.shape.contains(position));
-        let count = self.count.of(candidates.len(), "off the tree, in the shape and reachable")?;
-        Ok(if self.poisson_disc {
-            choose_spread(candidates, count, view)
-        } else {
-            choose_uniform(candidates, count, view)
-        })
+        let place = "off the tree, in the shape and reachable";
+        if !self.poisson_disc {
+            return self.count.choose(candidates, view, place);
+        }
+        let count = self.count.of(candidates.len(), place)?;
+        Ok(choose_spread(candidates, count, view))
     }
 
     fn check(&self) -> Result<(), ParameterError> {

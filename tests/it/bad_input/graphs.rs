@@ -126,7 +126,7 @@ fn endpoints_error(policy: impl EndpointPolicy + 'static) -> (EndpointError, Str
 
 #[test]
 fn endpoints_where_there_are_none() {
-    for count in [Count::Exactly(7), Count::UpTo(7), Count::Share(0.5)] {
+    for count in [Count::Exactly(7), Count::UpTo(7), Count::Share(0.5), Count::Each(0.5)] {
         let wanted = if count == Count::Exactly(7) { 7 } else { 1 };
         let policies: [Box<dyn EndpointPolicy>; 4] = [
             Box::new(InShape::uniform(nothing(), count)),

@@ -296,8 +296,10 @@ fn endpoints() {
         bad_policy(HopSurface::new(2, count), "HopSurface.count", 0);
     }
     for share in and_not_finite(&[0.0, -0.5, 1.01]) {
-        bad_policy(InShape::uniform(plot(1.0, 1.0), Count::Share(share)), "InShape.count", share);
-        bad_policy(HopSurface::new(2, Count::Share(share)), "HopSurface.count", share);
+        for count in [Count::Share(share), Count::Each(share)] {
+            bad_policy(InShape::uniform(plot(1.0, 1.0), count), "InShape.count", share);
+            bad_policy(HopSurface::new(2, count), "HopSurface.count", share);
+        }
         bad_policy(HopSurface::new(2, 5).with_outermost(share), "HopSurface.outermost", share);
     }
     for hops in [0, 1001, u32::MAX] {

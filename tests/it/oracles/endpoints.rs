@@ -82,6 +82,58 @@ proptest! {
         prop_assert_eq!(fifth.chosen.len(), expected.len().div_ceil(5));
     }
 
+    /// Each candidate by a draw of its own: what is chosen of a part of the surface is chosen of all of it.
+    #[test]
+    fn each_candidate_is_drawn_alone(seed: u64, share in 0.05f32..0.95) {
+        let graph = cube_graph(2000, seed);
+        let each = |outermost| {
+            let choice = choose(&graph, seed, HopSurface::new(2, Count::Each(share)).with_outermost(outermost));
+            choice.chosen.into_iter().collect::<BTreeSet<u32>>()
+        };
+        let all = choose(&graph, seed, HopSurface::new(2, Count::UpTo(usize::MAX)).with_outermost(1.0));
+        let outer = choose(&graph, seed, HopSurface::new(2, Count::UpTo(usize::MAX)).with_outermost(0.5));
+        let (of_all, of_outer) = (each(1.0), each(0.5));
+        let outer: BTreeSet<u32> = outer.chosen.into_iter().collect();
+        prop_assert!(!of_outer.is_empty());
+        prop_assert!(of_all.intersection(&outer).all(|node| of_outer.contains(node)));
+        prop_assert!(of_outer.len() == 1 || of_outer.is_subset(&of_all));
+        let wanted = all.chosen.len() as f32 * share;
+        let spread = (wanted * (1.0 - share)).sqrt();
+        prop_assert!((of_all.len() as f32 - wanted).abs() <= 5.0 * spread + 1.0, "{} of {wanted}", of_all.len());
+    }
+
+    /// By metres of path: distances by relaxing every edge until nothing changes.
+    #[test]
+    fn the_surface_is_metres_off(seed: u64, k in 1u32..4, hop in 0.05f32..0.4, nodes in 300usize..900) {
+        let graph = cube_graph(nodes, seed);
+        let policy = HopSurface::new(k, Count::UpTo(usize::MAX)).with_outermost(1.0).with_hop_length(hop);
+        let choice = choose(&graph, seed, policy);
+        let mut known = vec![(f32::INFINITY, 0.0f32); graph.nodes()];
+        choice.tree.iter().for_each(|&node| known[node as usize].0 = 0.0);
+        let mut has_changed = true;
+        while std::mem::take(&mut has_changed) {
+            for from in 0..graph.nodes() as u32 {
+                for &to in graph.neighbours(from) {
+                    let last = graph.position(from).distance(graph.position(to)) / hop;
+                    let way = (known[from as usize].0 + last, last);
+                    let best = &mut known[to as usize];
+                    if way.0 < best.0 || way.0 == best.0 && way.1 > best.1 {
+                        (*best, has_changed) = (way, true);
+                    }
+                }
+            }
+        }
+        let k = k as f32;
+        let is_on = |&(whole, last): &(f32, f32)| {
+            let half = last.min(1.0) * 0.5;
+            whole - half <= k && whole + half > k
+        };
+        let surface: BTreeSet<u32> = (0..).zip(&known).filter(|(_, way)| is_on(way)).map(|(node, _)| node).collect();
+        if !surface.is_empty() {
+            prop_assert_eq!(choice.chosen.into_iter().collect::<BTreeSet<u32>>(), surface);
+        }
+    }
+
     /// "We order the surface nodes by the number of edges from the root; we then take [...] its outermost fraction."
     #[test]
     fn the_outermost_fraction_is_kept(seed: u64, k in 1u32..4, t in 0.05f32..1.0) {
