@@ -40,12 +40,14 @@ const EXPOSURE: [f32; 3] = [0.55; 3];
 /// Height of what is seen of them.
 const SEEN: f32 = 0.78;
 
-fn barks() -> [(&'static str, Bark); 9] {
+fn barks() -> [(&'static str, Bark); 11] {
     [
         ("oak", Bark::oak()),
         ("ash", Bark::ash()),
         ("pine", Bark::pine()),
+        ("spruce", Bark::spruce()),
         ("plane", Bark::plane()),
+        ("eucalyptus", Bark::eucalyptus()),
         ("birch", Bark::birch()),
         ("cherry", Bark::cherry()),
         ("beech", Bark::beech()),
@@ -106,7 +108,7 @@ fn run() -> Result<(), Failure> {
         picture.label(name, 6, 6, 1, [20; 3]);
         pictures.push(picture);
     }
-    let columns = pictures.len().min(3) as u32;
+    let columns = pictures.len().min(4) as u32;
     let sheet = Picture::sheet(&pictures, columns, 6, [255; 3])?;
     let path = outputs.path("barks.png");
     outputs.write(&path, |file| Ok(sheet.write_png(file)?))?;

@@ -8,6 +8,7 @@
 //!     cargo run --release --example species -- --table --seeds 20
 //!     cargo run --release --example species -- --classify --seeds 20
 
+mod bark;
 mod classify;
 #[path = "../common/mod.rs"]
 mod common;
@@ -46,6 +47,8 @@ Usage: species (--list | --species NAME | --file TEXT | --sheet | --table | --cl
                       twigs    twigs, bare and in leaf: species-twigs.png
                       meadow   several species in a meadow: species-meadow.png
                       blossom  blossom, fruit and cones: species-blossom.png
+                      barks    old trunk and young wood from 2 m: species-barks.png
+                      trunks   of six species from 2 m: species-trunks.png
   --table             measures beside published figures, as Markdown
   --classify          how many trees are named right by the nearest centroid of their measures
   --seeds N           trees of each species for the table and the naming [20]
@@ -68,6 +71,8 @@ enum Sheet {
     Twigs,
     Blossom,
     Meadow,
+    Barks,
+    Trunks,
 }
 
 impl Sheet {
@@ -78,10 +83,12 @@ impl Sheet {
             Some("twigs") => Ok(Self::Twigs),
             Some("meadow") => Ok(Self::Meadow),
             Some("blossom") => Ok(Self::Blossom),
-            Some(other) => {
-                Err(format!("--sheet is {other:?}, but must be trees, autumn, twigs, blossom or meadow")
-                    .into())
-            }
+            Some("barks") => Ok(Self::Barks),
+            Some("trunks") => Ok(Self::Trunks),
+            Some(other) => Err(format!(
+                "--sheet is {other:?}, but must be trees, autumn, twigs, blossom, meadow, barks or trunks"
+            )
+            .into()),
         }
     }
 }
@@ -185,6 +192,7 @@ fn run(options: &Options) -> Result<(), Failure> {
         Some(Task::Table) => print(table::lines(options.seeds)?),
         Some(Task::Classify) => print(classify::lines(options.seeds)?),
         Some(Task::Sheet(kind)) => {
+            let only = options.species.as_deref().map(species::by_name).transpose()?;
             let mut outputs = Outputs::new("--out", &options.out)?;
             let (name, sheet) = match kind {
                 Sheet::Trees => ("species.png", sheet::draw(options.seed)?),
@@ -192,6 +200,8 @@ fn run(options: &Options) -> Result<(), Failure> {
                 Sheet::Twigs => ("species-twigs.png", twig::leaves(options.seed)?),
                 Sheet::Meadow => ("species-meadow.png", meadow::draw(options.seed)?),
                 Sheet::Blossom => ("species-blossom.png", twig::blossom(options.seed)?),
+                Sheet::Barks => ("species-barks.png", bark::sheet(options.seed, only)?),
+                Sheet::Trunks => ("species-trunks.png", bark::trunks(options.seed, only)?),
             };
             let path = outputs.path(name);
             outputs.write(&path, |writer| Ok(sheet.write_png(writer)?))?;

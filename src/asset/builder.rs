@@ -31,6 +31,8 @@ pub struct AssetBuilder {
     pub(super) leaf_size: Option<u32>,
     pub(super) canopy_shade: f32,
     pub(super) bent_normals: f32,
+    #[cfg_attr(feature = "serde", serde(skip))]
+    pub(super) on_bark: bool,
 }
 
 impl AssetBuilder {
@@ -70,6 +72,7 @@ impl Default for AssetBuilder {
             leaf_size: Some(128),
             canopy_shade: 0.5,
             bent_normals: 0.5,
+            on_bark: false,
         }
     }
 }
@@ -117,6 +120,13 @@ impl AssetBuilder {
         self.tubes = self.tubes.with_tile(old.size);
         let own = self.with_bark(Material::white().with_roughness(1.0)).with_bark_textures(old.textures);
         Ok(own.with_young_bark(young.textures, young.size, Self::THIN))
+    }
+
+    /// Leaves whose twigs the budget has no room for stand on the nearest wood that is drawn, if they are so few that one would see them
+    /// hang in the air: fruit in winter.
+    pub(crate) fn with_leaves_on_bark(mut self, moved: bool) -> Self {
+        self.on_bark = moved;
+        self
     }
 
     /// The radius below which wood wears young bark by default, metres.

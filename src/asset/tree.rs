@@ -111,7 +111,7 @@ impl<'a> Tree<'a> {
     /// The dense model.
     pub(super) fn dense(&self) -> Asset {
         let whole = (0..self.all.len()).collect::<Vec<_>>();
-        self.assemble(self.bark.clone(), 0.0, &whole, Vec::new(), None)
+        self.assemble(self.bark.clone(), 0.0, &self.standing(&whole, &[]), Vec::new(), None)
     }
 
     /// The look of the dense model; nothing if there is nothing to be seen. It is drawn once for all levels.
@@ -145,7 +145,8 @@ impl<'a> Tree<'a> {
         let room = most - bark.triangles().len();
         if self.leaf_triangles <= room {
             let whole = (0..self.all.len()).collect::<Vec<_>>();
-            let asset = self.assemble(bark, error, &whole, Vec::new(), None);
+            let asset =
+                self.assemble(bark, error, &self.standing(&whole, &self.bare(&kept)), Vec::new(), None);
             return Ok((self.bent(asset)?, self.regroup(usize::MAX, finer)?));
         }
         if room < card::TRIANGLES {
@@ -174,7 +175,7 @@ impl<'a> Tree<'a> {
         let whole: Vec<usize> =
             whole.iter().flat_map(|&i| clusters[i].leaves.iter().map(|&leaf| leaf as usize)).collect();
         let meshes: Vec<Mesh> = kinds.iter().map(|kind| kind.mesh.clone()).collect();
-        let mut asset = self.assemble(bark, error, &whole, meshes, None);
+        let mut asset = self.assemble(bark, error, &self.standing(&whole, &bare), meshes, None);
         let watch = self.watch;
         Cards { clusters: &chosen, kind_of: &kind_of, kinds: &kinds, grid, watch }.fit(
             &mut asset,
@@ -278,6 +279,25 @@ impl<'a> Tree<'a> {
         bare
     }
 
+    /// The dress and the place of each of these leaves; where there is no bark and that matters, on the nearest that there is.
+    fn standing(&self, leaves: &[usize], bare: &[bool]) -> Vec<(u32, Instance)> {
+        let positions = self.skeleton.positions();
+        let stand = |&leaf: &usize| {
+            let Leaf { dress, copy, .. } = self.all[leaf];
+            let mut node = copy.node as usize;
+            while let Some(parent) = self.skeleton.parent(node).filter(|_| self.builder.on_bark) {
+                if !bare.get(node).is_some_and(|bare| *bare) {
+                    break;
+                }
+                node = parent;
+            }
+            let position = copy.position + (positions[node] - positions[copy.node as usize]);
+            let moved = Instance { position, node: node as u32, ..copy };
+            (dress, if node == copy.node as usize { copy } else { moved })
+        };
+        leaves.iter().map(stand).collect()
+    }
+
     /// For each node the number of the group that it is in.
     fn cluster_of(&self, roots: &[u32]) -> Vec<u32> {
         let mut of = vec![u32::MAX; self.skeleton.len()];
@@ -297,13 +317,13 @@ impl<'a> Tree<'a> {
         &self,
         bark: Mesh,
         error: f32,
-        whole: &[usize],
+        whole: &[(u32, Instance)],
         cards: Vec<Mesh>,
         textures: Option<Textures>,
     ) -> Asset {
         let mut instances: Vec<Vec<Instance>> = vec![Vec::new(); self.dresses.len()];
-        for &leaf in whole {
-            instances[self.all[leaf].dress as usize].push(self.all[leaf].copy);
+        for &(dress, copy) in whole {
+            instances[dress as usize].push(copy);
         }
         let leaves = self.dresses.iter().zip(instances).filter(|(_, instances)| !instances.is_empty());
         let leaves = leaves.map(|(dress, instances)| Piece {

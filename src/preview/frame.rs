@@ -13,6 +13,7 @@ use super::camera::View;
 use super::light::{Light, Lit, Seen};
 use super::raster;
 use super::ray::{Cast, Sunbeams};
+use super::wear::Cutout;
 use super::{Placed, Preview};
 use crate::math;
 use crate::observer::{Cancelled, Observer, Work, report};
@@ -21,7 +22,7 @@ use cast::{Glimpse, Sun};
 use glam::{Vec2, Vec3, Vec3Swizzles};
 use soft::{Rows, Texel};
 use std::ops::Range;
-use strip::{Crack, NOTHING, SOLID, Strip};
+use strip::{Crack, NOTHING, POINTS, SOLID, Strip};
 use tone::Tones;
 
 /// Rows of pixels in a strip: its samples stay in the cache.
@@ -312,12 +313,35 @@ impl<'a> Frame<'a> {
                 if cutout.as_ref().is_some_and(|cutout| !cutout.is_there(place.x, place.y)) {
                     return;
                 }
-                if strip.hides(place, self.view.step(place.z) * 2.0 * margin, self.columns) {
-                    return;
+                let at = strip.sample(place, self.columns);
+                let limit = place.z + self.view.step(place.z) * 2.0 * margin;
+                if strip.solid[at] <= limit {
+                    let seen = strip.nearest[at] <= limit;
+                    let color = seen.then(|| self.shade_middle(member, shades));
+                    strip.lay(place, area, color, self.samples);
                 }
-                strip.lay(place, area, self.shade_middle(member, shades), self.samples);
             });
+            self.count(facet, cutout.as_ref(), strip);
         }
+    }
+
+    /// Counts the points of each pixel that lie in a thin facet and behind nothing solid.
+    fn count(&self, facet: Facet, cutout: Option<&Cutout<'_>>, strip: &mut Strip) {
+        let finer = POINTS as f32 / self.samples as f32;
+        let places = self.places(facet).map(|place| place * Vec3::new(finer, finer, 1.0));
+        let (top, rows) = (strip.top / self.samples, strip.rows / self.samples);
+        raster::fill(places, strip.width * POINTS, top * POINTS..(top + rows) * POINTS, |x, y, nearness| {
+            let place = Vec3::new((x as f32 + 0.5) / finer, (y as f32 + 0.5) / finer, nearness);
+            if cutout.is_some_and(|cutout| !cutout.is_there(place.x, place.y)) {
+                return;
+            }
+            let bias = self.view.step(nearness) * 2.0 * self.samples as f32;
+            let at = strip.sample(place, self.columns);
+            if strip.solid[at] <= nearness + bias {
+                let pixel = (y / POINTS - top) * strip.width + x / POINTS;
+                strip.over[pixel].hit(x % POINTS, y % POINTS, strip.facets[at] == NOTHING);
+            }
+        });
     }
 
     /// The colour of a facet at its middle, worked out no more than once. A leaf as small as that sees the same of sun
@@ -418,10 +442,8 @@ impl<'a> Frame<'a> {
         }
         let (mut color, mut covered) = (color / whole, covered / whole);
         let mut lit = sun.color / whole;
-        let (thin, coverage) = strip.over[row * strip.width + column];
-        if coverage > 0.0 {
-            let share = coverage.min(1.0);
-            color = color.lerp(thin / coverage, share);
+        if let Some((thin, share)) = strip.over[row * strip.width + column].cover(holes as f32 / whole) {
+            color = color.lerp(thin, share);
             covered += (1.0 - covered) * share;
             lit *= 1.0 - share;
         }

@@ -2,7 +2,8 @@
 //!
 //! A triangle is three corners of (column, row, nearness) in samples; a sample sits in the middle of its cell.
 //! What is narrower than a sample would be hit here and missed there, and a twig would break into dots. Such a
-//! triangle is *thin*: it is not sampled but strewn along its longest edge, with the area it has.
+//! triangle is *thin*: it is not sampled but strewn along its longest edge, with the area it has. How much of that area
+//! lies on top of other thin ones is counted on a finer grid of points.
 
 use glam::{Vec2, Vec3, Vec3Swizzles};
 use std::ops::Range;
@@ -48,7 +49,9 @@ pub(super) fn fill(
     let [low, high] = [a.min(b).min(c), a.max(b).max(c)];
     let first = (low.y - 0.5).ceil().max(rows.start as f32) as usize;
     let end = ((high.y - 0.5).floor() + 1.0).clamp(0.0, rows.end as f32) as usize;
-    if first >= end || high.x < 0.0 || low.x > columns as f32 {
+    // Most of what is thinner than a sample lies between all of them.
+    let between = (low.x - 0.5).ceil() > (high.x - 0.5).floor();
+    if first >= end || between || high.x < 0.0 || low.x > columns as f32 {
         return;
     }
     let (ab, ac) = (b - a, c - a);

@@ -1,7 +1,7 @@
 //! A tree of a species as one ships it.
 
+use super::Specimen;
 use super::specimen::{FRESH, WEATHERED, linear};
-use super::{BarkForm, Specimen};
 use crate::asset::{Asset, AssetBuilder, AssetError};
 use crate::surface::{Material, Sway, Tubes};
 use crate::texture::{Bark, BarkKind};
@@ -17,22 +17,13 @@ impl Specimen {
     pub fn bark_texture(&self) -> Bark {
         // What is left of long dead trees is the grain of their wood.
         let wood = self.numbers.dead.is_some_and(|years| years > BARE);
-        let bark = match self.species.bark.kind {
-            _ if wood => Bark::of_kind(BarkKind::Stringy),
-            BarkForm::Smooth => Bark::of_kind(BarkKind::Smooth),
-            BarkForm::Fissured => Bark::of_kind(BarkKind::Ridged),
-            BarkForm::Netted => Bark::of_kind(BarkKind::Netted),
-            BarkForm::Plated => Bark::of_kind(BarkKind::Plated),
-            // The same, of smaller pieces that lie flatter.
-            BarkForm::Scaly => Bark::of_kind(BarkKind::Plated).with_size(0.25).with_depth(0.006),
-            BarkForm::Papery => Bark::of_kind(BarkKind::Papery),
-            BarkForm::Mottled => Bark::of_kind(BarkKind::Patched),
-            BarkForm::Banded => Bark::of_kind(BarkKind::Banded),
-            BarkForm::Stringy => Bark::of_kind(BarkKind::Stringy),
-            BarkForm::Ringed => Bark::of_kind(BarkKind::Ringed),
-        };
         let age = 0.2 + 0.7 * (self.numbers.dbh / OLD).min(1.0);
-        bark.with_color(self.lightest().map(|channel| channel as u8)).with_age(age).with_seed(self.seed)
+        let bark = if wood {
+            Bark::of_kind(BarkKind::Stringy).with_age(age)
+        } else {
+            self.species.bark.texture(age)
+        };
+        bark.with_color(self.lightest().map(|channel| channel as u8)).with_seed(self.seed)
     }
 
     fn lightest(&self) -> [f32; 3] {
@@ -98,21 +89,22 @@ impl Specimen {
             .with_tubes(tubes.with_square_tiles(true))
             .with_bark_in_colors(&bark, &young)?
             .with_twigs(twigs)
+            .with_leaves_on_bark(self.leaves.is_none())
             .with_texture_size(side)
             .with_leaf_size(Some((side / 4).clamp(32, 2048)));
         let mut levels =
             builder.levels_with(&self.rooted(), &self.foliage().cloned().collect::<Vec<_>>(), shares)?;
         let lightest = linear(self.lightest());
         for level in &mut levels {
-            let color = |node: u32| {
-                let own = self.bark_color(node as usize);
+            let color = |node: u32, height: f32| {
+                let own = self.bark_color(node as usize, height);
                 [0, 1, 2].map(|i| (own[i] / lightest[i].max(1e-6)).clamp(0.0, 1.0))
             };
             for mesh in level.barks_mut() {
                 // The wind tells the node of each vertex. There may be the crown's shade already.
                 mesh.colors.resize(mesh.positions.len(), [1.0; 3]);
-                for (shade, wind) in mesh.colors.iter_mut().zip(&mesh.wind) {
-                    let own = color(wind.node);
+                for ((shade, wind), place) in mesh.colors.iter_mut().zip(&mesh.wind).zip(&mesh.positions) {
+                    let own = color(wind.node, place.y);
                     *shade = [0, 1, 2].map(|i| (shade[i] * own[i] * 255.0).round() / 255.0);
                 }
             }

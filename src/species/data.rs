@@ -474,8 +474,10 @@ pub enum BarkForm {
     Scaly,
     /// White, peeling in strips across: birch.
     Papery,
-    /// Patches of several colours: plane, eucalyptus.
+    /// Patches of several colours: plane.
     Mottled,
+    /// Long ribbons that fall and leave streaks of several colours along the trunk: eucalyptus.
+    Ribboned,
     /// Lines of pores around: cherry.
     Banded,
     /// Strips of fibre: cypress.
@@ -493,6 +495,7 @@ impl Choice for BarkForm {
         ("scaly", Self::Scaly),
         ("papery", Self::Papery),
         ("mottled", Self::Mottled),
+        ("ribboned", Self::Ribboned),
         ("banded", Self::Banded),
         ("stringy", Self::Stringy),
         ("ringed", Self::Ringed),
@@ -512,6 +515,17 @@ pub struct BarkData {
     pub limbs: [f32; 3],
     /// Colour of twigs, sRGB.
     pub twigs: [f32; 3],
+    /// Colour of an old trunk's foot, up to a height of three of its diameters, sRGB: birches turn black there. 0, 0, 0: the trunk's.
+    pub foot: [f32; 3],
+    /// Side of the tile of images, metres: what is on it (ridges, plates, lenticels) grows with it. 0: the kind's own.
+    pub tile: f32,
+    /// Depth of the oldest bark, metres, at most a quarter of the tile. 0: the kind's own.
+    pub depth: f32,
+    /// Colours of the outer surface, of what is deep, and of what is special (lenticels, fresh flakes, lichen), sRGB: what counts
+    /// is how they differ, for their mean becomes that of the trunk. All 0: the kind's own.
+    pub palette: [f32; 9],
+    /// How far the colours are from their mean, 0 (all the same) to 2; 1: as in the palette.
+    pub spread: f32,
 }
 
 impl Default for BarkData {
@@ -521,6 +535,11 @@ impl Default for BarkData {
             trunk: [112.0, 100.0, 86.0],
             limbs: [112.0, 100.0, 86.0],
             twigs: [92.0, 78.0, 64.0],
+            foot: [0.0; 3],
+            tile: 0.0,
+            depth: 0.0,
+            palette: [0.0; 9],
+            spread: 1.0,
         }
     }
 }

@@ -87,6 +87,11 @@ impl Species {
         fields.numbers("trunk", &mut bark.trunk, COLOR);
         fields.numbers("limbs", &mut bark.limbs, COLOR);
         fields.numbers("twigs", &mut bark.twigs, COLOR);
+        fields.numbers("foot", &mut bark.foot, COLOR);
+        fields.number("tile", &mut bark.tile, [0.0, 10.0]);
+        fields.number("depth", &mut bark.depth, [0.0, 0.2]);
+        fields.numbers("palette", &mut bark.palette, COLOR);
+        fields.number("spread", &mut bark.spread, [0.0, 2.0]);
         fields.tables("organs", &mut self.organs, Organ::MOST, Organ::fields);
     }
 }

@@ -1,6 +1,6 @@
 //! What every tree of every species must look like, over many seeds.
 
-use super::{Trunk, all};
+use super::{LeafShape, Trunk, all};
 use crate::Skeleton;
 use glam::Vec3;
 use std::collections::BTreeSet;
@@ -151,5 +151,138 @@ fn species_differ_at_one_seed() -> Result<(), Box<dyn Error>> {
         }
         assert!(sectors.len() >= 5, "seed {seed}: {sectors:?}");
     }
+    Ok(())
+}
+
+/// The crown's middle from the stem over its mean radius, from its radii in four directions.
+fn lopsidedness(skeleton: &Skeleton) -> f32 {
+    let mut radii = [0.0f32; 4];
+    for place in skeleton.positions() {
+        let quarter = crate::math::atan2(place.z, place.x) / std::f32::consts::FRAC_PI_2;
+        let radius = &mut radii[(quarter.round() as i32).rem_euclid(4) as usize];
+        *radius = radius.max(place.with_y(0.0).length());
+    }
+    let [east, north, west, south] = radii;
+    let middle = 0.5 * Vec3::new(east - west, north - south, 0.0).length();
+    middle / (0.25 * radii.iter().sum::<f32>())
+}
+
+/// Crowns stand off their stems as far as those of real trees, whose middle is off by 0.13 to 0.35 of their mean radius (quartiles),
+/// and none hangs to one side.
+#[test]
+fn crowns_are_not_lopsided() -> Result<(), Box<dyn Error>> {
+    let mut wrong = Vec::new();
+    // A palm's crown stands on the end of a stem that leans.
+    for species in all().iter().filter(|species| species.leaves.shape != LeafShape::Strap) {
+        let trees = (0..20).map(|seed| species.request().with_seed(seed).grow());
+        let trees = trees.collect::<Result<Vec<_>, _>>()?;
+        let mut off: Vec<f32> = trees.iter().map(|tree| lopsidedness(&tree.skeleton)).collect();
+        off.sort_by(f32::total_cmp);
+        let (median, worst) = (off[10], off[19]);
+        if std::env::var_os("PRINT").is_some() {
+            println!("{:20} {:.2} {median:.2} {:.2} {worst:.2}", species.name, off[5], off[15]);
+        }
+        if median > 0.4 || worst > 0.7 {
+            wrong.push(format!("{}: {median:.2} at the median, {worst:.2} at worst", species.name));
+        }
+    }
+    assert!(wrong.is_empty(), "{wrong:#?}");
+    Ok(())
+}
+
+/// From a place to the nearest point of a triangle, metres.
+#[cfg(feature = "texture")]
+fn away(place: Vec3, [a, b, c]: [Vec3; 3]) -> f32 {
+    let to_side = |from: Vec3, to: Vec3| {
+        let way = to - from;
+        let part = ((place - from).dot(way) / way.length_squared().max(1e-12)).clamp(0.0, 1.0);
+        place.distance(from + way * part)
+    };
+    let normal = (b - a).cross(c - a).normalize_or_zero();
+    let within = [(a, b), (b, c), (c, a)].iter().all(|&(a, b)| normal.dot((b - a).cross(place - a)) >= 0.0);
+    let sides = to_side(a, b).min(to_side(b, c)).min(to_side(c, a));
+    if within && normal != Vec3::ZERO { sides.min(normal.dot(place - a).abs()) } else { sides }
+}
+
+/// Days on which some organ of the species is there.
+fn days(species: &super::Species) -> BTreeSet<u32> {
+    let at = |days: [f32; 4]| {
+        let day = (0.5 * (days[1] + days[2])).floor();
+        [day, days[3] - 2.0].map(|day| ((day - 1.0).max(0.0) % 366.0) as u32 + 1)
+    };
+    species.organs.iter().flat_map(|organ| at(organ.days)).collect()
+}
+
+/// Blossom, fruit and cones begin on the bark of the twig that bears them, within a centimetre.
+#[test]
+fn organs_are_fixed_to_their_twigs() -> Result<(), Box<dyn Error>> {
+    let mut wrong = BTreeSet::new();
+    for species in all() {
+        for (seed, day) in days(species).into_iter().enumerate() {
+            let tree = species.request().with_seed(seed as u64).with_day(day as f32).grow()?;
+            let (places, radii) = (tree.skeleton.positions(), tree.skeleton.radii());
+            for organ in tree.organs.iter().flat_map(|organs| &organs.instances) {
+                let node = organ.node as usize;
+                // Coconuts hang one below the other: along all of the stem.
+                let mut nearest = f32::INFINITY;
+                let mut below = Some(node);
+                for _ in 0..8 {
+                    let Some((node, parent)) =
+                        below.and_then(|node| Some((node, tree.skeleton.parent(node)?)))
+                    else {
+                        break;
+                    };
+                    let corners = [places[node], places[parent], places[parent]];
+                    nearest = nearest.min(away(organ.position, corners) - radii[node].max(radii[parent]));
+                    below = Some(parent);
+                }
+                if nearest > 0.01 {
+                    wrong.insert(format!("{} on day {day}", species.name));
+                }
+            }
+        }
+    }
+    assert!(wrong.is_empty(), "{wrong:#?}");
+    Ok(())
+}
+
+/// What hangs on a bare tree hangs on wood that is drawn, within a budget too.
+#[cfg(feature = "texture")]
+#[test]
+fn winter_fruit_hangs_on_wood_that_is_drawn() -> Result<(), Box<dyn Error>> {
+    use crate::asset::AssetBuilder;
+    let (mut loose, mut seen) = ([0, 0], 0);
+    for species in all().iter().filter(|species| !species.leaves.evergreen) {
+        let tree = species.request().with_day(350.0).grow()?;
+        if tree.organs.is_empty() || tree.leaves.is_some() {
+            continue;
+        }
+        for (loose, moved) in loose.iter_mut().zip([false, true]) {
+            let builder = AssetBuilder::default()
+                .with_triangles(Some(20_000))
+                .with_tubes(crate::surface::Tubes::default().with_root_flare(0.0))
+                .with_bent_normals(0.0)
+                .with_leaves_on_bark(moved);
+            let levels = builder.levels_with(&tree.rooted(), &tree.organs, &[1.0])?;
+            let (parts, mesh) = (levels[0].parts(), levels[0].bark());
+            let wood: Vec<[Vec3; 3]> = mesh
+                .triangles()
+                .map(|corners| corners.map(|corner| mesh.positions[corner as usize]))
+                .collect();
+            let fruit: Vec<Vec3> = parts
+                .iter()
+                .filter(|part| part.name() == "leaves")
+                .flat_map(|part| part.copies().iter().map(|copy| copy.position))
+                .collect();
+            // A bark of fewer triangles lies by its error beside the whole one.
+            let near = 0.01 + levels[0].error();
+            for place in fruit.iter().step_by((fruit.len() / 200).max(1)) {
+                let nearest = wood.iter().map(|&corners| away(*place, corners)).fold(f32::INFINITY, f32::min);
+                *loose += usize::from(nearest > near);
+                seen += 1;
+            }
+        }
+    }
+    assert!(loose[1] == 0 && loose[0] > 0 && seen > 200, "{loose:?} of {seen}");
     Ok(())
 }

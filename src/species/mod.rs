@@ -17,6 +17,8 @@
 mod architecture;
 #[cfg(feature = "texture")]
 mod asset;
+#[cfg(feature = "texture")]
+mod bark;
 mod bear;
 mod data;
 mod decay;
@@ -40,6 +42,8 @@ mod wood;
 
 #[cfg(test)]
 mod habit_tests;
+#[cfg(all(test, feature = "preview"))]
+mod picture_tests;
 #[cfg(test)]
 mod tests;
 

@@ -55,13 +55,14 @@ impl Specimen {
     /// As [`Tubes::mesh`].
     pub fn bark_mesh(&self, tubes: &Tubes) -> Result<Mesh, SurfaceError> {
         let mut mesh = tubes.clone().with_wind(true).mesh(&self.rooted())?;
-        mesh.colors = mesh.wind.iter().map(|wind| self.bark_color(wind.node as usize)).collect();
+        let places = mesh.wind.iter().zip(&mesh.positions);
+        mesh.colors = places.map(|(wind, place)| self.bark_color(wind.node as usize, place.y)).collect();
         mesh.wind = Vec::new();
         Ok(mesh)
     }
 
-    /// The linear colour of the bark at a node, by its radius.
-    pub(super) fn bark_color(&self, node: usize) -> [f32; 3] {
+    /// The linear colour of the bark around a node's internode, by its radius, at a height above the ground.
+    pub(super) fn bark_color(&self, node: usize, height: f32) -> [f32; 3] {
         let bark = &self.species.bark;
         let [trunk, limbs, twigs] = [bark.trunk, bark.limbs, bark.twigs].map(linear);
         let smooth = |t: f32| {
@@ -72,6 +73,11 @@ impl Specimen {
         let node = if node < self.skeleton.len() { node } else { 0 };
         let (half, radius) = (0.5 * self.numbers.dbh, self.skeleton.radii()[node]);
         let old = smooth((radius / half - 0.45) / 0.35);
+        // Old trunks are rough and dark at the foot.
+        let foot = if bark.foot.iter().any(|&channel| channel > 0.0) { linear(bark.foot) } else { trunk };
+        let low = 1.0 - smooth(height / (FOOT * self.numbers.dbh).max(0.01));
+        let low = low * smooth((self.numbers.dbh - 0.08) / 0.2);
+        let trunk = [0, 1, 2].map(|i| trunk[i] + (foot[i] - trunk[i]) * low);
         let young = 1.0 - smooth((radius - 0.004) / (0.1 * half).clamp(0.004, 0.02));
         let bark = [0, 1, 2].map(|i| {
             let wood = limbs[i] + (trunk[i] - limbs[i]) * old;
@@ -94,6 +100,9 @@ impl Specimen {
 pub(super) fn linear(encoded: [f32; 3]) -> [f32; 3] {
     encoded.map(|channel| math::linear(channel / 255.0))
 }
+
+/// Height of a trunk's foot, in its diameters.
+const FOOT: f32 = 3.0;
 
 /// Wood where it has just broken, and after years in the weather, sRGB.
 pub(super) const FRESH: [f32; 3] = [204.0, 172.0, 124.0];

@@ -9,6 +9,8 @@ pub(super) const NOTHING: u32 = u32::MAX;
 pub(super) const SOLID: u32 = u32::MAX - 1;
 /// Part of a pixel over which something thin passes on into the next one.
 const SOFTNESS: f32 = 0.75;
+/// Points along the side of a pixel at which it is counted how many thin triangles lie on each other.
+pub(super) const POINTS: usize = 8;
 /// Distance from a crack within which solid samples are looked for, in samples.
 const WIDEST_CRACK: isize = 4;
 
@@ -22,6 +24,46 @@ pub(super) struct Crack {
     pub(super) nearness: f32,
 }
 
+/// What thin triangles do to a pixel.
+#[derive(Debug, Clone, Copy, Default)]
+pub(super) struct Thin {
+    /// Colour times area of those that are seen.
+    color: Vec3,
+    /// That area, pixels.
+    seen: f32,
+    /// Area of all that nothing solid hides, pixels.
+    area: f32,
+    /// A bit for each of the pixel's points that lies in one of them or more.
+    points: u64,
+    /// Those with nothing solid behind them.
+    open: u64,
+    /// How often points lie in one.
+    hits: u32,
+}
+
+impl Thin {
+    /// Counts a point, by its column and row in the pixel; it is `open` if nothing solid is behind it.
+    #[inline]
+    pub(super) fn hit(&mut self, column: usize, row: usize, open: bool) {
+        let point = 1 << (row * POINTS + column);
+        self.points |= point;
+        self.open |= if open { point } else { 0 };
+        self.hits += 1;
+    }
+
+    /// Mean colour, and the part that is covered of what nothing solid covers, `holes` of the pixel; of all if there is none.
+    /// Areas side by side add up, areas on each other do not.
+    #[inline]
+    pub(super) fn cover(&self, holes: f32) -> Option<(Vec3, f32)> {
+        let once = match self.hits {
+            0 => 1.0,
+            hits if holes > 0.0 => self.open.count_ones() as f32 / (hits as f32 * holes),
+            hits => self.points.count_ones() as f32 / hits as f32,
+        };
+        (self.seen > 0.0).then(|| (self.color / self.seen, (self.area * once).min(1.0)))
+    }
+}
+
 /// Some rows of samples, and the pixels they make.
 pub(super) struct Strip {
     pub(super) top: usize,
@@ -31,8 +73,8 @@ pub(super) struct Strip {
     pub(super) facets: Vec<u32>,
     /// Nearness of all triangles.
     pub(super) nearest: Vec<f32>,
-    /// Thin parts, per pixel: colour times coverage, and coverage.
-    pub(super) over: Vec<(Vec3, f32)>,
+    /// Thin parts, per pixel.
+    pub(super) over: Vec<Thin>,
     /// Pixels in a row.
     pub(super) width: usize,
     /// Visible points of the solid, where it is nearest; empty without one.
@@ -49,7 +91,7 @@ impl Strip {
             solid: vec![f32::NEG_INFINITY; columns * rows],
             facets: vec![NOTHING; columns * rows],
             nearest: vec![f32::NEG_INFINITY; columns * rows],
-            over: vec![(Vec3::ZERO, 0.0); width * (rows / samples)],
+            over: vec![Thin::default(); width * (rows / samples)],
             width,
             seen: Vec::new(),
         }
@@ -59,18 +101,18 @@ impl Strip {
         (self.top, self.rows) = (top, rows);
         self.solid.fill(f32::NEG_INFINITY);
         self.facets.fill(NOTHING);
-        self.over.fill((Vec3::ZERO, 0.0));
+        self.over.fill(Thin::default());
     }
 
-    /// Whether something is nearer than a place by more than `bias`.
-    pub(super) fn hides(&self, place: Vec3, bias: f32, columns: usize) -> bool {
+    /// The sample at a place, or the nearest to it of the strip.
+    pub(super) fn sample(&self, place: Vec3, columns: usize) -> usize {
         let column = (place.x.max(0.0) as usize).min(columns - 1);
         let row = ((place.y - self.top as f32).max(0.0) as usize).min(self.rows - 1);
-        self.nearest[row * columns + column] > place.z + bias
+        row * columns + column
     }
 
-    /// Lays an area, in samples, over the four pixels around a place.
-    pub(super) fn lay(&mut self, place: Vec3, area: f32, color: Vec3, samples: usize) {
+    /// Lays an area, in samples, over the four pixels around a place; of no colour if it is not seen.
+    pub(super) fn lay(&mut self, place: Vec3, area: f32, color: Option<Vec3>, samples: usize) {
         let scale = 1.0 / samples as f32;
         let width = self.width;
         let (x, y) = (place.x * scale - 0.5, (place.y - self.top as f32) * scale - 0.5);
@@ -83,9 +125,12 @@ impl Strip {
             for (column, horizontal) in [(left, 1.0 - right_share), (left + 1.0, right_share)] {
                 if row >= 0.0 && row < height && column >= 0.0 && column < width as f32 {
                     let share = coverage * vertical * horizontal;
-                    let (sum, total) = &mut self.over[row as usize * width + column as usize];
-                    *sum += color * share;
-                    *total += share;
+                    let thin = &mut self.over[row as usize * width + column as usize];
+                    thin.area += share;
+                    if let Some(color) = color {
+                        thin.color += color * share;
+                        thin.seen += share;
+                    }
                 }
             }
         }

@@ -43,8 +43,8 @@ impl Pattern for Oak {
     fn at(&self, quad: &Quad<'_>) -> Spot {
         let (x, y) = (quad.x, quad.y);
         let [sway, waver, rough, fine] = quad.plain();
-        let u = x + 0.026 * sway + 0.0085 * waver + 0.004 * rough + 0.0022 * fine;
-        let v = y + 0.03 * waver + 0.02 * rough;
+        let u = x + 0.026 * sway + 0.0095 * waver + 0.007 * rough + 0.0022 * fine;
+        let v = y + 0.03 * waver + 0.03 * rough;
         let ridge = self.ridges.at(u, v);
         // Some fissures are deep, some hardly begun: there ridges join. Those across the branch are the shallowest.
         let open = smooth(0.10, 0.5, ridge.edge + 0.3 * rough) * (1.0 - 0.65 * ridge.across);
@@ -91,8 +91,8 @@ impl Ash {
         Self {
             recipe,
             skin: Skin::new(&recipe, recipe.ripe(0.05, 0.6)),
-            sway: recipe.noise(1, 6, 4),
-            other: recipe.noise(2, 6, 4),
+            sway: recipe.fractal(1, 5, 3, 2),
+            other: recipe.fractal(4, 5, 3, 2),
             waver: recipe.noise(3, 22, 12),
             rough: recipe.fractal(30, 24, 7, 3),
             fine: recipe.fractal(40, 100, 24, 3),
@@ -110,11 +110,11 @@ impl Pattern for Ash {
         let (x, y) = (quad.x, quad.y);
         let [sway, other, waver, rough, fine] = quad.plain();
         // Two families of slanting ridges; whole numbers of them fit the tile both ways.
-        let bend = 0.13 * waver + 0.05 * rough;
-        let rising = fraction(11.0 * x + 4.0 * y + 0.45 * sway + bend);
-        let falling = fraction(11.0 * x - 4.0 * y + 0.45 * other - bend);
+        let bend = 0.10 * waver + 0.07 * rough;
+        let rising = fraction(11.0 * x + 3.0 * y + 0.85 * sway + bend);
+        let falling = fraction(11.0 * x - 3.0 * y + 0.85 * other - bend);
         let away = |part: Vec4| (part - 0.5).abs();
-        let half = self.recipe.aged(0.32, 0.215) + 0.055 * waver + 0.03 * rough + 0.02 * fine;
+        let half = self.recipe.aged(0.34, 0.235) + 0.06 * waver + 0.05 * rough + 0.025 * fine;
         let ridge = |part: Vec4, strong: Vec4| {
             1.0 - smooth_between(half * 0.35, half * 1.45, away(part) + 0.05 * (1.0 - strong))
         };
@@ -127,7 +127,7 @@ impl Pattern for Ash {
         let Recipe { outer, inner, accent, .. } = self.recipe;
         let top = blend(outer, accent, smooth(0.0, 0.8, rough + 0.6 * sway) * 0.6);
         let top = shade(top, 1.0 + 0.34 * fine + 0.14 * waver - 0.2 * furrow);
-        let floor = shade(blend(inner, outer, Vec4::splat(0.10)), 1.0 + 0.7 * fine + 0.4 * rough);
+        let floor = shade(blend(inner, outer, Vec4::splat(0.16)), 1.0 + 0.7 * fine + 0.4 * rough);
         let old = Spot {
             height: 0.08 + 0.82 * height,
             color: blend(floor, top, smooth(0.05, 0.95, height)),

@@ -10,6 +10,8 @@ mod pattern;
 mod peeling;
 mod plain;
 mod plated;
+mod scaly;
+mod shed;
 
 pub use coat::Coat;
 
@@ -22,7 +24,9 @@ use noise::Seed;
 use pattern::Recipe;
 use peeling::{Birch, Cherry};
 use plain::{Beech, Cedar, Palm};
-use plated::{Pine, Plane};
+use plated::Pine;
+use scaly::Scales;
+use shed::{Plane, Ribbons};
 
 /// Behaviour of a bark as the wood under it grows.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -39,8 +43,12 @@ pub enum BarkKind {
     Netted,
     /// Large plates of many flakes between dark fissures: pine, larch.
     Plated,
+    /// Small, thin scales that lift at their lower edges: spruce, sycamore, apple, horse chestnut.
+    Scaly,
     /// Plates fall off and leave patches of different age: plane, sycamore, lacebark elm.
     Patched,
+    /// Long ribbons fall off and leave streaks along the trunk: eucalyptus.
+    Ribboned,
     /// A pale skin like paper with dark lenticels around the branch; black cracks when old: birch.
     Papery,
     /// A glossy skin with bands of large, pale lenticels: cherry.
@@ -55,11 +63,13 @@ pub enum BarkKind {
 
 impl BarkKind {
     /// All kinds.
-    pub const ALL: [Self; 9] = [
+    pub const ALL: [Self; 11] = [
         Self::Ridged,
         Self::Netted,
         Self::Plated,
+        Self::Scaly,
         Self::Patched,
+        Self::Ribboned,
         Self::Papery,
         Self::Banded,
         Self::Smooth,
@@ -153,25 +163,37 @@ impl Bark {
     /// Red-brown plates between dark fissures. A tile of 0.6 m.
     pub fn pine() -> Self {
         let colors = [[118, 86, 68], [140, 100, 70]];
-        Self::of(BarkKind::Plated, (0.6, 0.028), colors, [[144, 116, 100], [34, 23, 18], [168, 110, 78]])
+        Self::of(BarkKind::Plated, (0.6, 0.028), colors, [[136, 118, 106], [42, 30, 24], [158, 116, 92]])
     }
 
     /// Patches of cream, olive and brown-grey. A tile of 0.6 m.
     pub fn plane() -> Self {
         let colors = [[152, 147, 118], [150, 145, 112]];
-        Self::of(BarkKind::Patched, (0.6, 0.006), colors, [[136, 134, 102], [94, 84, 72], [218, 208, 168]])
+        Self::of(BarkKind::Patched, (0.6, 0.006), colors, [[142, 142, 122], [110, 104, 94], [190, 186, 162]])
     }
 
-    /// White paper with dark lenticels, black and cracked in places. A tile of 0.4 m.
+    /// Thin scales of red-brown and grey. A tile of 0.35 m.
+    pub fn spruce() -> Self {
+        let colors = [[112, 90, 76], [112, 88, 70]];
+        Self::of(BarkKind::Scaly, (0.35, 0.008), colors, [[128, 108, 94], [54, 38, 30], [146, 98, 74]])
+    }
+
+    /// Streaks of cream, blue-grey and tan. A tile of 0.8 m.
+    pub fn eucalyptus() -> Self {
+        let colors = [[172, 162, 146], [176, 168, 140]];
+        Self::of(BarkKind::Ribboned, (0.8, 0.006), colors, [[158, 156, 150], [124, 100, 80], [206, 194, 168]])
+    }
+
+    /// White paper with dark lenticels, and black diamonds where old bark has burst. A tile of 0.8 m.
     pub fn birch() -> Self {
         let colors = [[198, 193, 184], [150, 122, 102]];
-        Self::of(BarkKind::Papery, (0.4, 0.008), colors, [[228, 225, 217], [34, 30, 28], [208, 172, 146]])
+        Self::of(BarkKind::Papery, (0.8, 0.010), colors, [[228, 225, 217], [34, 30, 28], [208, 172, 146]])
     }
 
-    /// Glossy red-brown with bands of tan lenticels. A tile of 0.4 m.
+    /// Glossy red-brown with bands of tan lenticels. A tile of 0.5 m.
     pub fn cherry() -> Self {
-        let colors = [[104, 68, 57], [122, 74, 60]];
-        Self::of(BarkKind::Banded, (0.4, 0.006), colors, [[116, 70, 58], [54, 32, 28], [172, 130, 100]])
+        let colors = [[104, 76, 68], [122, 78, 64]];
+        Self::of(BarkKind::Banded, (0.5, 0.008), colors, [[114, 84, 76], [48, 34, 30], [188, 142, 106]])
     }
 
     /// Smooth silver grey. A tile of 0.6 m.
@@ -198,7 +220,9 @@ impl Bark {
             BarkKind::Ridged => Self::oak(),
             BarkKind::Netted => Self::ash(),
             BarkKind::Plated => Self::pine(),
+            BarkKind::Scaly => Self::spruce(),
             BarkKind::Patched => Self::plane(),
+            BarkKind::Ribboned => Self::eucalyptus(),
             BarkKind::Papery => Self::birch(),
             BarkKind::Banded => Self::cherry(),
             BarkKind::Smooth => Self::beech(),
@@ -292,7 +316,9 @@ impl Bark {
             BarkKind::Ridged => bake::bake(self, &Oak::new(recipe)),
             BarkKind::Netted => bake::bake(self, &Ash::new(recipe)),
             BarkKind::Plated => bake::bake(self, &Pine::new(recipe)),
+            BarkKind::Scaly => bake::bake(self, &Scales::new(recipe)),
             BarkKind::Patched => bake::bake(self, &Plane::new(recipe)),
+            BarkKind::Ribboned => bake::bake(self, &Ribbons::new(recipe)),
             BarkKind::Papery => bake::bake(self, &Birch::new(recipe)),
             BarkKind::Banded => bake::bake(self, &Cherry::new(recipe)),
             BarkKind::Smooth => bake::bake(self, &Beech::new(recipe)),

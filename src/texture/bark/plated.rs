@@ -1,7 +1,7 @@
-//! Pine and plane: bark that comes off in plates.
+//! Pine: plates of many flakes.
 
 use super::cells::Cells;
-use super::lanes::{Quad, floor, fraction, smooth};
+use super::lanes::{Quad, floor, fraction, mix, smooth};
 use super::noise::Fractal;
 use super::pattern::{Pattern, Recipe, Skin, Spot, blend, shade};
 use glam::Vec4;
@@ -12,6 +12,7 @@ pub(super) struct Pine {
     recipe: Recipe,
     skin: Skin,
     sway: Fractal,
+    other: Fractal,
     plates: Cells,
     parts: Cells,
     flakes: Fractal,
@@ -23,8 +24,9 @@ impl Pine {
         Self {
             recipe,
             skin: Skin::new(&recipe, recipe.ripe(0.0, 0.45)),
-            sway: recipe.fractal(1, 6, 5, 3),
-            plates: Cells::new(recipe.seed, 10, (7, 4), 0.9, true),
+            sway: recipe.fractal(1, 7, 5, 3),
+            other: recipe.fractal(5, 7, 5, 3),
+            plates: Cells::new(recipe.seed, 10, (8, 4), 0.95, true),
             parts: Cells::new(recipe.seed, 20, (13, 9), 0.9, false),
             flakes: recipe.fractal(30, 9, 6, 3),
             fine: recipe.fractal(40, 70, 60, 3),
@@ -34,18 +36,22 @@ impl Pine {
 
 impl Pattern for Pine {
     fn plain(&self) -> Vec<&Fractal> {
-        self.skin.behind(vec![&self.sway, &self.flakes, &self.fine])
+        self.skin.behind(vec![&self.sway, &self.other, &self.flakes, &self.fine])
     }
 
     #[inline]
     fn at(&self, quad: &Quad<'_>) -> Spot {
         let (x, y) = (quad.x, quad.y);
-        let [sway, flakes, fine] = quad.plain();
-        let (u, v) = (x + 0.030 * sway + 0.010 * flakes, y + 0.04 * sway - 0.012 * flakes + 0.002 * fine);
+        let [sway, other, flakes, fine] = quad.plain();
+        // Moved by a third of a plate and by its flakes: no fissure is straight.
+        let (u, v) = (x + 0.040 * sway + 0.010 * flakes, y + 0.075 * other - 0.020 * flakes + 0.002 * fine);
         let plate = self.plates.at(u, v);
         let part = self.parts.at(u, v);
-        let wide = self.recipe.aged(0.006, 0.0125) * (1.0 + 0.6 * sway);
+        // Fissures along the trunk are the widest; where they have hardly begun, plates hang together.
+        let open = smooth(0.05, 0.55, plate.edge + 0.3 * other) * (1.0 - 0.45 * plate.across);
+        let wide = self.recipe.aged(0.006, 0.0145) * (0.25 + 0.75 * open) * (1.0 + 0.5 * sway);
         let side = smooth(0.0, 1.5, (plate.border + 0.004 * flakes + 0.0015 * fine) / wide);
+        let side = mix(Vec4::ONE, side, 0.3 + 0.7 * open);
         let split = (1.0 - smooth(0.0, 0.007, part.border + 0.0015 * fine))
             * smooth(0.5, 0.75, part.edge + 0.3 * flakes);
         // Flakes lie on each other like the lines of a map; the outermost is in the middle of a plate.
@@ -60,7 +66,7 @@ impl Pattern for Pine {
             side * (0.55 + 0.34 * terrace.clamp(Vec4::splat(-0.6), Vec4::splat(1.2))) + 0.05 * fine * side;
         height -= 0.16 * split * side;
         let Recipe { outer, inner, accent, .. } = self.recipe;
-        let top = blend(outer, accent, smooth(0.1, 1.0, piece) * 0.75);
+        let top = blend(outer, accent, smooth(0.3, 1.0, piece) * 0.8);
         let top = shade(top, (0.72 + 0.38 * lip) * (1.0 + 0.30 * fine + 0.22 * (piece - 0.5) + 0.15 * sway));
         let light = side * (1.0 - 0.5 * split);
         let old = Spot {
@@ -68,67 +74,6 @@ impl Pattern for Pine {
             color: blend(shade(inner, 1.0 + 0.5 * fine), top, smooth(0.05, 1.0, light)),
             roughness: 0.97 - 0.15 * side,
         };
-        self.skin.under(quad, 3, old)
-    }
-}
-
-/// Patches: each is the place where a plate fell off in another year.
-#[derive(Debug)]
-pub(super) struct Plane {
-    recipe: Recipe,
-    sway: Fractal,
-    layers: [Fractal; 4],
-    fine: Fractal,
-    specks: Cells,
-}
-
-impl Plane {
-    pub(super) fn new(recipe: Recipe) -> Self {
-        let layer = |salt, columns, rows| recipe.fractal(salt, columns, rows, 3);
-        Self {
-            recipe,
-            sway: recipe.fractal(1, 7, 6, 3),
-            layers: [layer(10, 5, 4), layer(20, 4, 4), layer(30, 5, 3), layer(40, 6, 5)],
-            fine: recipe.fractal(50, 60, 50, 3),
-            specks: Cells::new(recipe.seed, 60, (40, 40), 1.0, false),
-        }
-    }
-}
-
-impl Pattern for Plane {
-    fn plain(&self) -> Vec<&Fractal> {
-        vec![&self.sway, &self.fine]
-    }
-
-    #[inline]
-    fn at(&self, quad: &Quad<'_>) -> Spot {
-        let (x, y) = (quad.x, quad.y);
-        let age = self.recipe.age;
-        let [sway, fine] = quad.plain();
-        let (u, v) = (x + 0.022 * sway, y - 0.028 * sway);
-        let Recipe { outer, inner, accent, .. } = self.recipe;
-        // From the freshest, which is the deepest, to what has not fallen for years.
-        let olive = blend(accent, outer, Vec4::splat(0.62));
-        let khaki = blend(accent, inner, Vec4::splat(0.42));
-        let colors = [olive, outer, khaki, inner];
-        let mut color = shade(accent, 1.0 + 0.05 * fine);
-        let (mut height, mut roughness, mut rim) = (Vec4::splat(0.18), Vec4::splat(0.62), Vec4::ZERO);
-        for (i, (layer, own)) in self.layers.iter().zip(colors).enumerate() {
-            let level = layer.at(u, v) + 0.035 * fine;
-            let limit = [-0.22, -0.02, 0.12, 0.36 - 0.22 * age][i];
-            let there = smooth(-0.008, 0.014, level - limit);
-            let tone = 1.0 + (0.05 + 0.05 * i as f32) * fine + 0.10 * sway;
-            color = blend(color, shade(own, tone), there);
-            height += there * [0.14, 0.15, 0.16, 0.22][i];
-            roughness += there * 0.06;
-            let edge = 1.0 - smooth(0.0, 0.05, (level - limit + 0.008).abs());
-            rim = rim.max(edge * (1.0 - there * 0.5));
-        }
-        let speck = self.specks.at(x, y);
-        let [right, up] = speck.offset;
-        let distance = (right * right + up * up).sqrt();
-        let dot = (1.0 - smooth(0.001, 0.0028, distance)) * smooth(0.7, 0.75, speck.value);
-        let color = shade(color, (1.0 - 0.28 * rim) * (1.0 - 0.35 * dot));
-        Spot { height: height + 0.03 * fine + 0.05 * sway, color, roughness }
+        self.skin.under(quad, 4, old)
     }
 }
