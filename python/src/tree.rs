@@ -272,7 +272,7 @@ pub(crate) fn grow(
         }
         other => {
             let call = match other {
-                Found::Stand(_) => "Forest",
+                Found::Stand(_) | Found::Space(_) => "Forest",
                 Found::Variational(_) => "fill",
                 _ => "Growth",
             };

@@ -69,14 +69,24 @@ def test_other_threads_go_on():
 def test_forests_are_saved_and_go_on():
     forest = treesynth.Forest("stand-generations", seed=2)
     forest.grow(6)
-    again, pickled = treesynth.Forest.from_json(forest.to_json()), pickle.loads(pickle.dumps(forest))
+    again, pickled = treesynth.Forest.from_json(forest.name, forest.to_json()), pickle.loads(pickle.dumps(forest))
     for other in [forest, again, pickled]:
         other.grow(2)
     assert forest.trees == again.trees == pickled.trees
     assert forest.places.shape == (len(forest.trees), 3)
     assert np.isfinite(forest.places).all() and forest.metamers > 100
-    with pytest.raises(treesynth.TreesynthError):
-        treesynth.Forest.from_json("{}")
+    with pytest.raises(treesynth.TreesynthError, match="text: missing field"):
+        treesynth.Forest.from_json("stand-generations", "{}")
+
+
+@pytest.mark.parametrize("name", ["stand-hedge", "space-crown"])
+def test_stands_of_other_kinds(name):
+    forest = treesynth.Forest(name)
+    forest.grow(2)
+    again = pickle.loads(pickle.dumps(forest))
+    forest.grow(1)
+    again.grow(1)
+    assert forest.trees == again.trees and forest.season == 3
 
 
 def test_one_forest_from_two_threads():

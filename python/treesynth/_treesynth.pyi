@@ -267,14 +267,19 @@ class Recipe:
     def grow(self, seed: int | None = None, *, progress: Progress | None = None) -> Skeleton: ...
 
 class Forest:
-    """A stand of the self-organizing system, which grows season by season. Can be pickled, and goes on bit for bit."""
+    """A stand of the self-organizing system, which grows season by season, tended after each if the stand has a gardener. Can be
+    pickled, and goes on bit for bit."""
 
     def __init__(self, name: str, *, seed: int | None = None, most_metamers: int | None = None) -> None:
         """The stand of that name as it is planted; growth stops at so many metamers."""
 
     @staticmethod
-    def from_json(text: str) -> Forest: ...
+    def from_json(name: str, text: str) -> Forest:
+        """Goes on with a forest of this name that `to_json` has saved."""
+
     def to_json(self) -> str: ...
+    @property
+    def name(self) -> str: ...
     def grow(self, seasons: int = 1, *, progress: Progress | None = None) -> None:
         """So many seasons more. What has grown before an error or Ctrl-C is kept."""
 
