@@ -96,6 +96,28 @@ impl<E: Environment> Stand<E> {
     pub fn ground(&self, bounds: Bounds) -> Option<Mesh> {
         self.ground.map(|height| block(height, bounds))
     }
+
+    /// The leaves of all its trees; `None` in winter. [`leaves`](Self::leaves) puts them where the text's rule has them.
+    pub fn foliage(&self, season: Season) -> Option<Foliage> {
+        look::HORNBEAM.foliage(season)
+    }
+
+    /// The leaves of one of its trees: where the text's rule ([`Tree::leafy`]) has them, on metamers that begin at
+    /// least four nodes from the foot and carry fewer than 30 buds. None in winter.
+    ///
+    /// # Errors
+    /// As [`Foliage::place`](crate::foliage::Foliage::place): a skeleton without radii, say.
+    pub fn leaves(
+        &self,
+        tree: &Tree,
+        skeleton: &Skeleton,
+        season: Season,
+    ) -> Result<Option<Leaves>, FoliageError> {
+        let Some(foliage) = self.foliage(season) else { return Ok(None) };
+        let (mut leaves, leafy) = (foliage.place(skeleton, self.seed)?, tree.leafy(30, 4));
+        leaves.instances.retain(|leaf| leafy.get(leaf.node as usize) == Some(&true));
+        Ok(Some(leaves))
+    }
 }
 
 fn block(height: fn(f32, f32) -> f32, bounds: Bounds) -> Mesh {

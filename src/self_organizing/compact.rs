@@ -301,10 +301,10 @@ fn read_nodes(count: usize, reader: &mut impl Read) -> Result<Vec<Node>, ReadFor
             order: 0,
         });
     }
-    for i in 0..count {
+    for (i, node) in nodes.iter_mut().enumerate() {
         let back = read_number(reader)?;
         let parent = (i as u32).checked_sub(back).filter(|_| (back == 0) == (i == 0));
-        nodes[i].parent = parent.ok_or_else(|| damaged("a parent is not before its child"))?;
+        node.parent = parent.ok_or_else(|| damaged("a parent is not before its child"))?;
     }
     for i in 0..count {
         let byte = read_byte(reader)?;

@@ -60,7 +60,7 @@ impl Daylight {
 
     /// Unit vectors towards the light, all above the horizon, with weights that add up to 1. Empty if the options are out of
     /// range.
-    pub fn directions(&self) -> Vec<(Vec3, f32)> {
+    pub fn directions(self) -> Vec<(Vec3, f32)> {
         if self.check().is_err() {
             return Vec::new();
         }
@@ -88,7 +88,7 @@ impl Daylight {
             .collect()
     }
 
-    pub(super) fn check(&self) -> Result<(), ParameterError> {
+    pub(super) fn check(self) -> Result<(), ParameterError> {
         within("Daylight.latitude", self.latitude, -FRAC_PI_2, FRAC_PI_2)?;
         within("Daylight.direct", self.direct, 0.0, 1.0)
     }

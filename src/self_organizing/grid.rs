@@ -131,7 +131,7 @@ impl Grid {
             let power =
                 |part: f32| (self.parts * shade * math::powf(self.falloff, -(q as f32)) * part + 0.5) as u16;
             if !self.light.is_empty() && q > 0 {
-                return leaning(q, &self.light, |part| power(part));
+                return leaning(q, &self.light, power);
             }
             let width = 2 * q as usize + 1;
             let power = power(1.0);

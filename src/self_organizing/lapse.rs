@@ -48,10 +48,10 @@ impl<E: Environment> Forest<E> {
     /// `part` not in [0, 1]; and as [`skeleton`](Self::skeleton).
     pub fn skeletons_since(&self, before: &Self, part: f32) -> Result<Vec<Skeleton>, ForestError> {
         ParameterError::unless((0.0..=1.0).contains(&part), "part", part, "in [0, 1]")?;
-        if part == 0.0 {
+        if part <= 0.0 {
             return before.skeletons();
         }
-        if part == 1.0 {
+        if part >= 1.0 {
             return self.skeletons();
         }
         let mut pairs: Vec<(Option<&Tree>, Option<&Tree>)> = Vec::new();

@@ -21,13 +21,13 @@ const ROUNDS: usize = 16;
 /// A metamer is a beam of round wood. In the course of a season what it bears becomes heavier, and its bending moment
 /// grows by ΔM; it turns by `ΔM · length / (E · I)`, with I = π r⁴ / 4 and the radius r that it has by then. The wood that
 /// it lays on next season is set in that shape, so that what has once bent stays bent, and a limb that has thickened bends
-/// less. That is the model of Fournier, Baillères and Chanson 1994, "Tree biomechanics: growth, cumulative prestresses, and
+/// less. That is the model of M. Fournier, H. Baillères and B. Chanson 1994, "Tree biomechanics: growth, cumulative prestresses, and
 /// reorientations", without reaction wood: branches of order 1 and higher sag, trunks stay as they have grown.
 ///
 /// A limb that comes to lie on the ground, on an obstacle or at the edge of an envelope bends no further in that
 /// season.
 ///
-/// Fresh wood has a modulus of 5 to 10 GPa and weighs some 900 kg/m³. With those alone limbs of a few metres hardly
+/// Fresh wood has a modulus of 5 to 10 gigapascals and weighs some 900 kg/m³. With those alone limbs of a few metres hardly
 /// sag: real ones also bear leaves, fruit, snow and ice, and creep under them. A lower modulus stands for all of it.
 ///
 /// Time: O(n) a season for n metamers, and what the environment takes for nodes that move to other cells.
@@ -54,7 +54,7 @@ pub struct Sag {
 crate::recipe::readable!(Sag { modulus: f32, density: f32 });
 
 impl Default for Sag {
-    /// 1 GPa, 900 kg/m³.
+    /// 1 gigapascal, 900 kg/m³.
     fn default() -> Self {
         Self { modulus: 1e9, density: 900.0 }
     }
@@ -98,8 +98,7 @@ impl Tree {
             let first = firsts[node];
             firsts[parent] += first;
         }
-        firsts.iter_mut().for_each(|first| *first = first.cross(Vec3::NEG_Y));
-        firsts
+        firsts.into_iter().map(|first| first.cross(Vec3::NEG_Y)).collect()
     }
 
     /// Bends what is not the trunk by what its moments have grown by since they were `before`, those of metamers that have

@@ -241,7 +241,7 @@ impl ShadowPropagation {
         if self.grid.is_empty() {
             let Options { min, max, cell, height, falloff, daylight, .. } = self.options;
             let size = ((max - min) / cell).ceil().as_ivec3().max(IVec3::ONE);
-            let light = daylight.map_or_else(Vec::new, |daylight| daylight.directions());
+            let light = daylight.map_or_else(Vec::new, Daylight::directions);
             self.grid = Grid::new(size, height, falloff, light);
         }
     }
@@ -273,7 +273,7 @@ impl ShadowPropagation {
                 bounds.max.y = bounds.max.y.max(max.y + height);
             }
         }
-        let light = self.options.daylight.map_or_else(Daylight::overcast, |daylight| daylight.directions());
+        let light = self.options.daylight.map_or_else(Daylight::overcast, Daylight::directions);
         Some(Sky::new(bounds, cell, &all, &light))
     }
 
@@ -398,7 +398,7 @@ impl Environment for ShadowPropagation {
             scattered,
             daylight,
         } = self.options;
-        daylight.map_or(Ok(()), |daylight| daylight.check())?;
+        daylight.map_or(Ok(()), Daylight::check)?;
         within("ShadowPropagation.cell", cell, 1e-6, 1e6)?;
         let bounds = Bounds::new(min, max);
         let cells = bounds.size() / cell;

@@ -1,6 +1,8 @@
 //! Trees and forests that organize themselves.
 
 mod axes;
+#[cfg(feature = "json")]
+mod compact;
 mod garden;
 mod growth;
 mod lapse;

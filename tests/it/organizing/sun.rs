@@ -16,27 +16,27 @@ fn light(latitude: Option<f32>) -> ShadowPropagation {
     ShadowPropagation::new(bounds).with_cell(0.1).with_daylight(daylight)
 }
 
-/// A forest of 6 m that begins 1.5 m from the tree, to these sides.
+/// A forest of 6 m that begins 2 m from the tree, to these sides.
 fn walls(sides: &[Vec3]) -> Vec<Cuboid> {
     let wall = |side: &Vec3| {
-        let (near, far) = (*side * 1.5, *side * 9.0);
+        let (near, far) = (*side * 2.0, *side * 9.0);
         let along = Vec3::new(9.0 * side.z.abs(), 0.0, 9.0 * side.x.abs());
         Cuboid::new((near - along).min(far - along), (near + along).max(far + along).with_y(6.0))
     };
     sides.iter().map(wall).collect()
 }
 
-/// How far the middles of crowns are south of the foot, metres.
+/// How far the middles of crowns are south of the foot, metres, of the trees that live.
 fn leans(latitude: Option<f32>, sides: &[Vec3]) -> Vec<f32> {
     let one = |seed: u64| {
         let tree = SelfOrganizing::new(light(latitude), Habit::default().with_length(0.1), seed);
         let mut tree = walls(sides).into_iter().fold(tree, SelfOrganizing::with_obstacle);
         tree.grow(14).unwrap();
-        let nodes = tree.tree().unwrap().positions();
+        let nodes = tree.tree()?.positions();
         let count = nodes.len() as f32;
-        nodes.map(|node| node.z).sum::<f32>() / count
+        Some(nodes.map(|node| node.z).sum::<f32>() / count)
     };
-    (1..=SEEDS).map(one).collect()
+    (1..=SEEDS).filter_map(one).collect()
 }
 
 fn south(leans: &[f32]) -> usize {
@@ -56,8 +56,8 @@ fn crowns_lean_to_the_sun() {
     let lane = [Vec3::X, Vec3::NEG_X];
     let (north, beyond, overcast) = (leans(Some(50.0), &lane), leans(Some(-50.0), &lane), leans(None, &lane));
     assert!(south(&north) >= nine_tenths, "{north:?}");
-    assert!(south(&beyond) <= SEEDS as usize - nine_tenths, "{beyond:?}");
-    assert!((3..=17).contains(&south(&overcast)), "{overcast:?}");
+    assert!(beyond.iter().filter(|&&lean| lean < 0.0).count() >= nine_tenths, "{beyond:?}");
+    assert!((3..=17).contains(&south(&overcast)) && overcast.len() >= nine_tenths, "{overcast:?}");
 }
 
 /// After growth, shedding and cuts the grid is that of what stands; saved, and in parts, and on more threads, the same.
