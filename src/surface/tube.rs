@@ -14,8 +14,9 @@ pub(super) const PLANNING: usize = 1024;
 /// Vertices of one mesh at the most: with its triangles 11 GB. A million branches need less.
 const MOST_VERTICES: usize = 150_000_000;
 /// The most that an axis turns from ring to ring where branches have collars, radians: rings that are more oblique to each
-/// other leave too little wood between them for a collar to begin in.
-const MOST_TURN: f32 = 1.0;
+/// other leave too little wood between them for a collar to begin in. Of 29,000 tubes of random skeletons 55 float at 2, 23 at
+/// 1.5 and one at 1.2; of 230,000 the same 6 at 0.8 as at 20°.
+const MOST_TURN: f32 = 0.8;
 /// Greatest factor by which branches are wider to make up for those left out.
 const MOST_WIDENING: f32 = 1.3;
 
@@ -128,8 +129,8 @@ impl Tubes {
 
     /// The angle by which an axis may turn from one ring to the next, on the average of an internode; radians, 0.05 (3°)
     /// up; default 20°. Every node has a ring anyway, so that from 2π up there are no more; with
-    /// [collars](Self::with_collars) any angle above 1 (57°) is the same as 1, or branches would come off where their
-    /// parent branch bends.
+    /// [collars](Self::with_collars) any angle above 0.8 (46°) is the same as 0.8, or branches would come off where
+    /// their parent branch bends.
     pub fn with_turn(mut self, angle: f32) -> Self {
         self.turn = angle;
         self

@@ -160,7 +160,7 @@ impl Surface {
                         if way.whole < limit && !std::mem::replace(&mut is_waiting[to as usize], true) {
                             later.push(to);
                         }
-                    } else if way.whole == known.whole {
+                    } else if way.whole <= known.whole {
                         known.last = known.last.max(way.last);
                     }
                 }
