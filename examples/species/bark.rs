@@ -11,7 +11,7 @@ use treesynth::surface::{Material, Mesh, Part, Tubes};
 use treesynth::texture::BarkSet;
 
 /// Pixels along the sides of a picture, and below it for the name.
-const SIDE: u32 = 400;
+const SIDE: u32 = 320;
 const LABEL: u32 = 22;
 /// Species in a row.
 const ROW: u32 = 5;

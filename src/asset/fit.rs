@@ -24,10 +24,7 @@ const LARGER: (f32, f32) = (0.6, 1.8);
 /// Range of the factor on the alpha of cards, if their size is not enough.
 pub(super) const THICKER: (f32, f32) = (0.2, 4.0);
 /// Range of the factor on the colours of cards.
-const GAIN: (f32, f32) = (0.5, 2.0);
-/// How often it is set anew at the most, and from which on a factor is none.
-const ROUNDS: usize = 4;
-const SAME: f32 = 0.01;
+const GAIN: (f32, f32) = (0.6, 1.6);
 /// Cover that is no more off than this is right.
 const NEAR: f64 = 0.004;
 
@@ -149,16 +146,13 @@ impl Cards<'_> {
             }
         }
         (_, gain, thicker) = best;
-        // Cards alone change colour, not what else is seen: so more than once.
+        // Cards alone change colour, not what else is seen: so once more.
         let mut all = [1.0f32; 3];
-        for round in 1..=ROUNDS {
+        for round in 0..2 {
             all = [0, 1, 2].map(|i| (all[i] * gain[i]).clamp(GAIN.0, GAIN.1));
             self.dress(asset, thicker, all)?;
-            if round < ROUNDS {
+            if round == 0 {
                 (_, gain) = beside(asset)?;
-                if gain.iter().all(|gain| (gain - 1.0).abs() < SAME) {
-                    break;
-                }
             }
         }
         Ok(())
