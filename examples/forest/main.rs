@@ -60,15 +60,14 @@ fn grow<E: Environment + Clone>(stand: &Stand<E>, options: &Options) -> Result<(
     for season in 0..u64::from(seasons) {
         pass(&mut forest, season * 4)?;
     }
-    let last = look(stand, &forest, forest.skeletons()?, 8)?;
+    let last = look(stand, &forest, &forest.skeletons()?, 8)?;
     let bounds = last.iter().filter_map(|look| look.mesh.bounds()).reduce(Bounds::union);
     let bounds = bounds.ok_or_else(|| format!("nothing has sprouted after --seasons {seasons}"))?;
     let ground = stand.ground(bounds);
     // From higher up than a slope is steep.
     let front = if ground.is_some() { Camera::default().with_elevation(0.6) } else { Camera::default() };
-    let under = || ground.iter().map(|mesh| Part::new(mesh).with_name("ground").with_material(earth()));
     {
-        let parts: Vec<Part<'_>> = last.iter().flat_map(Look::parts).chain(under()).collect();
+        let parts: Vec<Part<'_>> = last.iter().flat_map(Look::parts).chain(under(ground.as_ref())).collect();
         outputs.write(&file("glb"), |writer| Ok(write_glb_parts(&parts, &glb, writer)?))?;
         let picture = Preview::default().with_size(800, 800).with_camera(front.clone()).draw_parts(&parts)?;
         outputs.write(&file("png"), |writer| Ok(picture.write_png(writer)?))?;
@@ -88,17 +87,21 @@ fn grow<E: Environment + Clone>(stand: &Stand<E>, options: &Options) -> Result<(
         for frame in 1..=options.frames {
             let skeletons = again.skeletons_since(&before, frame as f32 / options.frames as f32)?;
             let looks = match options.frames {
-                1 => look(stand, &again, skeletons, 4)?,
+                1 => look(stand, &again, &skeletons, 4)?,
                 _ => bare(&skeletons, 4)?,
             };
             let parts: Vec<Part<'_>> = looks.iter().flat_map(Look::parts).collect();
             if !parts.is_empty() {
-                frames.push(preview.draw_parts(&parts.into_iter().chain(under()).collect::<Vec<_>>())?);
+                frames.push(
+                    preview
+                        .draw_parts(&parts.into_iter().chain(under(ground.as_ref())).collect::<Vec<_>>())?,
+                );
             }
         }
         if options.models {
-            let looks = look(stand, &again, again.skeletons()?, 8)?;
-            let parts: Vec<Part<'_>> = looks.iter().flat_map(Look::parts).chain(under()).collect();
+            let looks = look(stand, &again, &again.skeletons()?, 8)?;
+            let parts: Vec<Part<'_>> =
+                looks.iter().flat_map(Look::parts).chain(under(ground.as_ref())).collect();
             let path = options.out.join(stand.name).join(format!("{:03}.glb", again.season()));
             if !looks.is_empty() {
                 outputs.write(&path, |writer| Ok(write_glb_parts(&parts, &glb, writer)?))?;
@@ -120,8 +123,10 @@ fn grow<E: Environment + Clone>(stand: &Stand<E>, options: &Options) -> Result<(
     Ok(())
 }
 
-fn earth() -> Material {
-    Material::bark().with_srgb([150, 142, 120])
+/// The ground of a stand on a slope.
+fn under(ground: Option<&Mesh>) -> impl Iterator<Item = Part<'_>> {
+    let earth = Material::bark().with_srgb([150, 142, 120]);
+    ground.into_iter().map(move |mesh| Part::new(mesh).with_name("ground").with_material(earth))
 }
 
 /// A tree to be drawn and written.
@@ -140,11 +145,11 @@ impl Look {
 fn look<E: Environment>(
     stand: &Stand<E>,
     forest: &Forest<E>,
-    skeletons: Vec<Skeleton>,
+    skeletons: &[Skeleton],
     sides: u32,
 ) -> Result<Vec<Look>, Failure> {
     let tubes = Tubes::default().with_sides(sides);
-    let sprouted = forest.trees().iter().zip(&skeletons).filter(|(_, skeleton)| skeleton.len() > 1);
+    let sprouted = forest.trees().iter().zip(skeletons).filter(|(_, skeleton)| skeleton.len() > 1);
     sprouted
         .map(|(tree, skeleton)| {
             let leaves = stand.leaves(tree, skeleton, Season::Summer)?;

@@ -66,21 +66,23 @@ fn damaged_bytes_are_refused() {
     let mut bytes = Vec::new();
     forest.write_compact(&mut bytes).expect("a forest can be written");
     let read = |bytes: &[u8]| Forest::<ShadowPropagation>::read_compact(bytes);
-    for end in (0..bytes.len()).step_by(7) {
+    for end in (0..bytes.len()).step_by(23) {
         assert!(read(&bytes[..end]).is_err(), "cut off at {end} of {}", bytes.len());
     }
     let mut refused = 0;
-    for place in (0..bytes.len()).step_by(3) {
+    for place in (0..bytes.len()).step_by(11) {
         let mut bent = bytes.clone();
         bent[place] ^= 1 << (place % 8);
         match read(&bent) {
             Err(_) => refused += 1,
             Ok(read) => {
-                read.skeletons().expect("radii").iter().for_each(|tree| tree.check().expect("a sound tree"))
+                for tree in read.skeletons().expect("radii") {
+                    tree.check().expect("a sound tree");
+                }
             }
         }
     }
-    assert!(refused * 20 > bytes.len() / 3, "{refused} of {}", bytes.len() / 3);
+    assert!(refused * 20 > bytes.len() / 11, "{refused} of {}", bytes.len() / 11);
     assert!(read(b"treesynth forest 1\n\xff\xff\xff\xff\xff\xff\xff\xff{}").is_err());
     assert!(read(b"{}").is_err());
 }

@@ -4,7 +4,7 @@ use super::growth::stand;
 use treesynth::Skeleton;
 use treesynth::glam::Vec3;
 use treesynth::self_organizing::{
-    Forest, ForestError, Habit, Sag, SelfOrganizing, ShadowPropagation, Shedding,
+    Forest, ForestError, Habit, Sag, SelfOrganizing, ShadowPropagation, Shedding, Tree,
 };
 
 /// From one frame to the next no node moves farther than the whole season's growth takes in that time.
@@ -35,9 +35,9 @@ fn assert_smooth(before: &Forest, after: &Forest) {
             .flat_map(Skeleton::positions)
             .all(|place| nodes.iter().any(|node| node.distance(*place) < 1.0 / f32::from(FRAMES)))
     };
-    let nodes = |forest: &Forest| forest.trees().iter().flat_map(|tree| tree.positions()).collect::<Vec<_>>();
+    let nodes = |forest: &Forest| forest.trees().iter().flat_map(Tree::positions).collect::<Vec<_>>();
     // Seeds that have just fallen are where they are.
-    let sown = after.trees().iter().filter(|tree| tree.born() == after.season()).map(|tree| tree.foot());
+    let sown = after.trees().iter().filter(|tree| tree.born() == after.season()).map(Tree::foot);
     assert!(near(&inner[0], &[nodes(before), sown.collect()].concat()));
     assert!(near(&inner[inner.len() - 1], &[nodes(after), nodes(before)].concat()));
 }

@@ -4,7 +4,7 @@ use super::forest_hash;
 use treesynth::Bounds;
 use treesynth::glam::Vec3;
 use treesynth::self_organizing::{
-    Daylight, Environment, Forest, ForestError, Habit, SelfOrganizing, ShadowPropagation, Shedding,
+    Daylight, Environment, Forest, ForestError, Habit, SelfOrganizing, ShadowPropagation, Shedding, Tree,
 };
 use treesynth::shape::Cuboid;
 
@@ -78,7 +78,7 @@ fn leaning_shadows_are_those_of_what_stands() {
         let node = forest.trees()[0].ids().nth(9).unwrap();
         forest.cut(forest.trees()[0].number(), node).unwrap();
         let mut fresh = light(Some(50.0));
-        let nodes: Vec<Vec3> = forest.trees().iter().flat_map(|tree| tree.positions()).collect();
+        let nodes: Vec<Vec3> = forest.trees().iter().flat_map(Tree::positions).collect();
         fresh.update(&nodes, &[]);
         assert!(nodes.len() > 500 && *forest.environment() == fresh);
         assert!(fresh != light(None));
