@@ -28,11 +28,11 @@
 
 pub use proptest;
 
-mod hold;
+mod check;
 mod options;
 mod strategies;
 
-pub use hold::{
+pub use check::{
     CheckResult, check_builder, check_endpoints, check_field, check_growth, check_radius, check_rule,
     check_shape, check_skeleton, check_synth, check_weight,
 };
