@@ -10,9 +10,9 @@ use treesynth::species::{self, Species, Specimen};
 use treesynth::surface::{Instance, Material, Mesh, Part, Tubes};
 
 /// Metres of a cell across, of sky above the tallest tree of a row, and pixels a metre.
-const WIDTH: f32 = 15.0;
+const WIDTH: f32 = 17.0;
 const SKY: f32 = 1.0;
-const SCALE: f32 = 18.0;
+const SCALE: f32 = 16.0;
 /// Pixels under each tree for its name.
 const LABEL: u32 = 22;
 /// Trees in a row, each bare and in leaf.

@@ -44,6 +44,7 @@ pub(super) fn grow(species: &Species, plan: &Numbers, scale: Scale, seed: u64) -
     for (number, stem) in grown.iter().enumerate() {
         growing.limbs(stem, stems, draw.child(4, number), &mut limbs);
     }
+    let unforked = limbs.len();
     // What has forked may fork again.
     let mut number = 0;
     while number < limbs.len() && growing.wood.positions.len() <= MOST_NODES {
@@ -54,9 +55,6 @@ pub(super) fn grow(species: &Species, plan: &Numbers, scale: Scale, seed: u64) -
         let (species, what) = (species.name.clone(), "nodes");
         SpeciesError::TooMany { species, what, most: MOST_NODES, field, value, change }
     };
-    if growing.wood.positions.len() > MOST_NODES {
-        return Err(too_many("limbs.forks", species.limbs.forks, "less"));
-    }
     let mut branches = Vec::new();
     for limb in &limbs {
         let bare = species.limbs.bare;
@@ -82,6 +80,9 @@ pub(super) fn grow(species: &Species, plan: &Numbers, scale: Scale, seed: u64) -
         growing.shoots(twig, species.twigs.bare);
     }
     if growing.wood.positions.len() > MOST_NODES {
+        if limbs.len() > 4 * unforked {
+            return Err(too_many("limbs.forks", species.limbs.forks, "less"));
+        }
         let spacings = [
             ("branches.spacing", species.branches.spacing, species.branches.ratio),
             ("twigs.spacing", species.twigs.spacing, species.twigs.ratio),

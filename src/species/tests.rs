@@ -120,7 +120,7 @@ fn what_would_fill_the_memory_is_refused() {
             "[limbs]\ncount = 400\n[branches]\nspacing = 0.01\nratio = 10\nlength = [0.15, 200]",
             "branches.spacing",
         ),
-        ("[limbs]\ncount = 400\nforks = 6\nforks_angle = 10", "limbs.forks"),
+        ("[limbs]\ncount = 400\nforks = 6\nforks_angle = 60\nunequal = 0", "limbs.forks"),
     ] {
         let text = format!("name = \"x\"\n{section}");
         let species = Species::parse(&text).expect("all are in range");
