@@ -56,5 +56,5 @@ pub(crate) fn places(name: &str, points: &Points<'_>) -> PyResult<Vec<DVec3>> {
 
 /// As [`places`], rounded to 32 bits.
 pub(crate) fn vectors(name: &str, points: &Points<'_>) -> PyResult<Vec<Vec3>> {
-    Ok(places(name, points)?.into_iter().map(|place| place.as_vec3()).collect())
+    Ok(places(name, points)?.into_iter().map(DVec3::as_vec3).collect())
 }

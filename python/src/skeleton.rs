@@ -143,7 +143,7 @@ impl Skeleton {
     }
 
     fn diameter_at(&self, height: f64) -> Option<f64> {
-        diameter_at(&self.tree, height as _).map(Into::into)
+        diameter_at(&self.tree, height)
     }
 
     #[pyo3(signature = (share = 0.5, passes = 3))]

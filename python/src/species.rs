@@ -48,7 +48,7 @@ impl Wish {
 /// Grows a tree of a species.
 pub(crate) fn grow(py: Python<'_>, species: &species::Species, wish: Wish, seed: u64) -> PyResult<Tree> {
     type With<'a> = fn(Request<'a>, f32) -> Request<'a>;
-    let with: [With<'_>; 7] = [
+    let setters: [With<'_>; 7] = [
         Request::with_height,
         Request::with_dbh,
         Request::with_age,
@@ -58,7 +58,7 @@ pub(crate) fn grow(py: Python<'_>, species: &species::Species, wish: Wish, seed:
         Request::with_storm_damage,
     ];
     let mut request = species.request().with_seed(seed);
-    for ((_, value), set) in wish.asked().into_iter().zip(with) {
+    for ((_, value), set) in wish.asked().into_iter().zip(setters) {
         if let Some(value) = value {
             request = set(request, value);
         }
