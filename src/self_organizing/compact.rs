@@ -96,7 +96,7 @@ struct TreeHead {
 }
 
 impl<E: Environment + serde::Serialize> Forest<E> {
-    /// Writes the forest in about 20 bytes a metamer, a seventh of what JSON takes, at any moment; read back by
+    /// Writes the forest in about 20 bytes a metamer, less than a sixth of what JSON takes, at any moment; read back by
     /// [`read_compact`](Self::read_compact) it goes on bit for bit. As in JSON, envelopes, obstacles and terrain are not
     /// written, but what tells them from others is.
     ///
