@@ -27,7 +27,6 @@ fn shapes(center: Vec3, sizes: Vec3) -> Vec<(&'static str, Box<dyn Shape>)> {
         ("HalfEllipsoid", boxed(half)),
         ("Cone", boxed(Cone::new(center, sizes.x, sizes.y))),
         ("Cylinder", boxed(Cylinder::new(center, sizes.x, sizes.y))),
-        ("Brush", boxed(Brush::new(vec![center, center + sizes, center + sizes.with_y(0.0)], 0.5 * sizes.x))),
         ("Shell", boxed(Shell::new(ellipsoid, 0.3))),
         ("Shell of a dome", boxed(Shell::new(half, 0.3).about(center))),
         ("Union", boxed(Union::new(ellipsoid, cuboid))),
@@ -43,6 +42,7 @@ fn shapes(center: Vec3, sizes: Vec3) -> Vec<(&'static str, Box<dyn Shape>)> {
         ("Sketch", boxed(Sketch::new(kite(center, sizes)).with_profiles([UNEVEN]))),
         ("Sketch of two", boxed(Sketch::new(kite(center, sizes)).with_side(kite(center, sizes)))),
         ("Extrusion", boxed(Extrusion::new(kite(center, sizes), sizes.z))),
+        ("Brush", boxed(Brush::new(vec![center, center + sizes, center + sizes.with_y(0.0)], 0.5 * sizes.x))),
     ]
 }
 
@@ -298,4 +298,4 @@ fn samples_are_pinned() {
         .sum();
     assert_eq!(sum.to_array().map(f32::to_bits), PINNED_SAMPLES, "{sum}");
 }
-const PINNED_SAMPLES: [u32; 3] = [1_128_779_954, 1_128_986_249, 1_129_696_500];
+const PINNED_SAMPLES: [u32; 3] = [1_128_851_342, 1_129_059_418, 1_129_907_066];
