@@ -200,7 +200,7 @@ impl ShadowPropagation {
 
     /// Sets where light comes from; `None`, the default, for a sky that is equally bright everywhere, and shadows
     /// straight below. Otherwise shadows fall away from the light, and obstacles hide what lies in its directions. A
-    /// shadow is as dark as the pyramid at each depth, however it is spread.
+    /// shadow is about as dark as the pyramid at each depth, however it is spread.
     pub fn with_daylight(mut self, daylight: impl Into<Option<Daylight>>) -> Self {
         self.options.daylight = daylight.into();
         self.reset()
