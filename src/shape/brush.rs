@@ -63,7 +63,7 @@ impl Shape for Brush {
     }
 
     fn check(&self) -> Result<(), ParameterError> {
-        ParameterError::unless(!self.points.is_empty(), "Brush.points", 0, "at least 1 point, in metres")?;
+        ParameterError::unless(!self.points.is_empty(), "Brush.points", 0, "at least 1 point")?;
         self.points.iter().try_for_each(|&point| check_position("Brush.points", point))?;
         check_length("Brush.radius", self.radius)
     }

@@ -27,6 +27,7 @@ fn shapes(center: Vec3, sizes: Vec3) -> Vec<(&'static str, Box<dyn Shape>)> {
         ("HalfEllipsoid", boxed(half)),
         ("Cone", boxed(Cone::new(center, sizes.x, sizes.y))),
         ("Cylinder", boxed(Cylinder::new(center, sizes.x, sizes.y))),
+        ("Brush", boxed(Brush::new(vec![center, center + sizes, center + sizes.with_y(0.0)], 0.5 * sizes.x))),
         ("Shell", boxed(Shell::new(ellipsoid, 0.3))),
         ("Shell of a dome", boxed(Shell::new(half, 0.3).about(center))),
         ("Union", boxed(Union::new(ellipsoid, cuboid))),
@@ -42,7 +43,6 @@ fn shapes(center: Vec3, sizes: Vec3) -> Vec<(&'static str, Box<dyn Shape>)> {
         ("Sketch", boxed(Sketch::new(kite(center, sizes)).with_profiles([UNEVEN]))),
         ("Sketch of two", boxed(Sketch::new(kite(center, sizes)).with_side(kite(center, sizes)))),
         ("Extrusion", boxed(Extrusion::new(kite(center, sizes), sizes.z))),
-        ("Brush", boxed(Brush::new(vec![center, center + sizes, center + sizes.with_y(0.0)], 0.5 * sizes.x))),
     ]
 }
 
