@@ -44,7 +44,7 @@ pub struct Daylight {
     direct: f32,
 }
 
-crate::recipe::readable!(Daylight { latitude: f32, direct: f32 });
+crate::recipe::readable!(Daylight { direct: f32 });
 
 impl Daylight {
     /// At a latitude, radians, in [-π/2, π/2], the southern ones below 0. Half of the light comes from the sun.
@@ -56,6 +56,11 @@ impl Daylight {
     pub fn with_direct(mut self, part: f32) -> Self {
         self.direct = part;
         self
+    }
+
+    /// The latitude in radians, as [`at_latitude`](Self::at_latitude) was given it.
+    pub fn latitude(&self) -> f32 {
+        self.latitude
     }
 
     /// Unit vectors towards the light, all above the horizon, with weights that add up to 1. Empty if the options are out of
