@@ -157,7 +157,7 @@ impl Options {
                 // Half of the detail will do for the small pictures of the animation.
                 let looks = look(stand, &again, 4)?;
                 if !looks.is_empty() {
-                    let parts = looks.iter().flat_map(Look::parts).chain(under.iter().flatten().cloned());
+                    let parts = looks.iter().flat_map(Look::parts).chain(under.iter().flatten().copied());
                     frames.push(preview.draw_parts(&parts.collect::<Vec<_>>())?);
                 }
             }
