@@ -18,8 +18,6 @@
 use super::cut::Release;
 use super::environment::Environment;
 use super::forest::Forest;
-use super::habit::Habit;
-use super::room::Marks;
 use super::saved::{Saved, SavedTree};
 use super::tree::{BUD, DEAD, DORMANT, FLOWER, Node, Tree, is_node};
 use crate::ParameterError;
@@ -49,39 +47,7 @@ fn damaged(what: &str) -> ReadForestError {
     ReadForestError::Syntax(what.to_owned())
 }
 
-/// All but the nodes.
-#[derive(serde::Serialize)]
-struct Head<'a, E> {
-    environment: &'a E,
-    habits: &'a [Habit],
-    trees: Vec<TreeHead>,
-    seed: u64,
-    season: u16,
-    turn: u32,
-    next_tree: u32,
-    most_metamers: usize,
-    most_trees: usize,
-    parts: u32,
-    room: Marks,
-}
-
-/// The same, read.
-#[derive(serde::Deserialize)]
-#[serde(deny_unknown_fields)]
-struct ReadHead<E> {
-    environment: E,
-    habits: Vec<Habit>,
-    trees: Vec<TreeHead>,
-    seed: u64,
-    season: u16,
-    turn: u32,
-    next_tree: u32,
-    most_metamers: usize,
-    most_trees: usize,
-    parts: u32,
-    room: Marks,
-}
-
+/// A tree but for its nodes.
 #[derive(serde::Serialize, serde::Deserialize)]
 #[serde(deny_unknown_fields)]
 struct TreeHead {
@@ -117,19 +83,7 @@ impl<E: Environment + serde::Serialize> Forest<E> {
     /// # Errors
     /// Whatever the writer returns.
     pub fn write_compact(&self, writer: impl Write) -> io::Result<()> {
-        let head = Head {
-            environment: &self.environment,
-            habits: &self.habits,
-            trees: self.trees.iter().map(TreeHead::of).collect(),
-            seed: self.seed,
-            season: self.season,
-            turn: self.turn,
-            next_tree: self.next_tree,
-            most_metamers: self.most_metamers,
-            most_trees: self.most_trees,
-            parts: self.parts,
-            room: self.room.marks(),
-        };
+        let head = Saved::of(self).with_trees(self.trees.iter().map(TreeHead::of).collect());
         let head = serde_json::to_vec(&head).map_err(io::Error::from)?;
         let mut writer = BufWriter::new(writer);
         writer.write_all(MAGIC)?;
@@ -160,29 +114,14 @@ impl<E: Environment + serde::de::DeserializeOwned> Forest<E> {
         if head.len() as u64 != length {
             return Err(damaged("it ends in its head"));
         }
-        let head: ReadHead<E> =
+        let mut head: Saved<E, TreeHead> =
             serde_json::from_slice(&head).map_err(|error| ReadForestError::Syntax(error.to_string()))?;
-        let trees = head.trees.into_iter().map(|tree| {
+        let trees = std::mem::take(&mut head.trees).into_iter().map(|tree| {
             let nodes = read_nodes(tree.nodes, &mut reader)?;
             Ok(Tree::try_from(tree.with(nodes))?)
         });
         let trees = trees.collect::<Result<Vec<Tree>, ReadForestError>>()?;
-        let ReadHead { environment, habits, seed, season, turn, next_tree, most_metamers, .. } = head;
-        let (most_trees, parts, room) = (head.most_trees, head.parts, head.room);
-        let saved = Saved {
-            environment,
-            habits,
-            trees,
-            seed,
-            season,
-            turn,
-            next_tree,
-            most_metamers,
-            most_trees,
-            parts,
-            room,
-        };
-        Ok(Self::try_from(saved)?)
+        Ok(Self::try_from(head.with_trees(trees))?)
     }
 }
 

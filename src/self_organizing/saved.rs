@@ -11,13 +11,13 @@ use crate::ParameterError;
 use crate::shape::LARGEST;
 use glam::Vec3;
 
-/// Form of a [`Forest`] in files.
-#[derive(serde::Deserialize)]
+/// Form of a [`Forest`] in files; its trees may be in a form of their own.
+#[derive(serde::Serialize, serde::Deserialize)]
 #[serde(deny_unknown_fields)]
-pub(super) struct Saved<E> {
+pub(super) struct Saved<E, T = Tree> {
     pub(super) environment: E,
     pub(super) habits: Vec<Habit>,
-    pub(super) trees: Vec<Tree>,
+    pub(super) trees: Vec<T>,
     pub(super) seed: u64,
     pub(super) season: u16,
     pub(super) turn: u32,
@@ -39,6 +39,46 @@ pub(super) fn write_room<S: serde::Serializer>(room: &Room, serializer: S) -> Re
 
 fn one() -> u32 {
     1
+}
+
+impl<'a, E: Environment> Saved<&'a E, ()> {
+    /// All of a forest but its trees.
+    pub(super) fn of(forest: &'a Forest<E>) -> Self {
+        Self {
+            environment: &forest.environment,
+            habits: forest.habits.clone(),
+            trees: Vec::new(),
+            seed: forest.seed,
+            season: forest.season,
+            turn: forest.turn,
+            next_tree: forest.next_tree,
+            most_metamers: forest.most_metamers,
+            most_trees: forest.most_trees,
+            parts: forest.parts,
+            room: forest.room.marks(),
+        }
+    }
+}
+
+impl<E, T> Saved<E, T> {
+    /// Puts these trees in the place of its own.
+    pub(super) fn with_trees<U>(self, trees: Vec<U>) -> Saved<E, U> {
+        let Self { environment, habits, seed, season, turn, next_tree, most_metamers, .. } = self;
+        let (most_trees, parts, room) = (self.most_trees, self.parts, self.room);
+        Saved {
+            environment,
+            habits,
+            trees,
+            seed,
+            season,
+            turn,
+            next_tree,
+            most_metamers,
+            most_trees,
+            parts,
+            room,
+        }
+    }
 }
 
 impl<E: Environment> TryFrom<Saved<E>> for Forest<E> {

@@ -179,9 +179,6 @@ fn crowns_are_not_lopsided() -> Result<(), Box<dyn Error>> {
         let mut off: Vec<f32> = trees.iter().map(|tree| lopsidedness(&tree.skeleton)).collect();
         off.sort_by(f32::total_cmp);
         let (median, worst) = (off[10], off[19]);
-        if std::env::var_os("PRINT").is_some() {
-            println!("{:20} {:.2} {median:.2} {:.2} {worst:.2}", species.name, off[5], off[15]);
-        }
         if median > 0.4 || worst > 0.7 {
             wrong.push(format!("{}: {median:.2} at the median, {worst:.2} at worst", species.name));
         }

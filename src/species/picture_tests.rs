@@ -49,9 +49,6 @@ fn levels_keep_the_color_of_the_tree() -> Result<(), Box<dyn Error>> {
         for level in tree.levels(Some(20_000), 256, &[1.0, 0.3])? {
             let pixels = (level.pixels(tree.numbers.height) as u32).clamp(60, 240);
             let like = Likeness::of(&level.parts(), &whole[0].parts(), pixels)?;
-            if std::env::var_os("PRINT").is_some() {
-                println!("{name}: {} triangles, {pixels} pixels: {like:?}", level.triangles());
-            }
             if like.color > 2.1 {
                 wrong.push(format!("{name}: {:.1} Lab, {} triangles", like.color, level.triangles()));
             }

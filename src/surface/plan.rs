@@ -1,21 +1,22 @@
-//! The axes of all tubes, and how much their mesh will hold.
+//! The axes of all tubes, and the size of their mesh.
 
 use super::attach::DOME_SIDES;
 use super::axis::Axes;
 use super::{Sway, Tubes};
 use crate::observer::{Cancelled, Watch};
 
-/// Sections that a branch has at the most: radii differ by no more than floats can tell.
+/// Greatest number of sections of a branch: more would have radii that floats cannot tell apart.
 pub(super) const MOST_SECTIONS: usize = 200;
 
 /// All that is known before the first vertex.
 #[derive(Debug)]
 pub(super) struct Plan {
     pub(super) axes: Axes,
-    /// How it bends, if that is wanted.
+    /// Bend in the wind, if it is asked for.
     pub(super) sway: Option<Sway>,
-    /// At most so many vertices and triangles will be made.
+    /// Upper bound of the number of vertices.
     pub(super) vertices: usize,
+    /// Upper bound of the number of triangles.
     pub(super) triangles: usize,
 }
 
@@ -46,7 +47,7 @@ impl Plan {
     }
 }
 
-/// Rings of a collar between its foot and its end.
+/// Number of rings of a collar between its foot and its end.
 pub(super) fn blends(sides: u32) -> u32 {
     (sides / 3).clamp(1, 4)
 }

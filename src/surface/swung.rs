@@ -1,4 +1,4 @@
-//! How tubes bend in the wind.
+//! Bend of tubes in the wind.
 
 use super::Sway;
 use super::axis::{Axes, Axis, Station};
@@ -8,12 +8,12 @@ use super::sway::Bend;
 use super::wood::Place;
 use glam::Vec3;
 
-/// How the stations of all axes bend. A branch moves with the triangles of its bearer, and these are straight between two
-/// rings, while the skeleton between is not.
+/// Bend of the stations of all axes. A branch moves with the triangles of its parent branch, and these are straight between
+/// two rings, while the skeleton between is not.
 pub(super) struct Swung<'a> {
     pub(super) sway: &'a Sway,
     axes: &'a Axes,
-    /// Of each station.
+    /// Bend of each station.
     pub(super) bends: Vec<Bend>,
     /// Difference of each axis' moments from the skeleton's.
     offsets: Vec<[Vec3; 3]>,
@@ -25,7 +25,7 @@ impl<'a> Swung<'a> {
         Self { sway, axes, bends: vec![none; axes.stations.len()], offsets: Vec::new() }
     }
 
-    /// Has an axis swing, its bearer before it.
+    /// Bends an axis; its parent axis must have been bent before.
     pub(super) fn swing(&mut self, number: usize) {
         let axis = &self.axes.all[number];
         let base = axis.base.position;
@@ -52,8 +52,8 @@ impl<'a> Swung<'a> {
         self.offsets.push(offset);
     }
 
-    /// Of each foot of an axis' collar the moments that its place on the bearer has besides those of a ring that bends so,
-    /// and the bearer's node there.
+    /// For each foot of an axis' collar, the moments of its place on the parent axis less those of a ring that bends so, and
+    /// the parent's node there.
     pub(super) fn feet(
         &self,
         circles: &Circles,

@@ -1,14 +1,9 @@
 //! Forests in the compact form.
 
 use super::growth::stand;
-use super::saved::finish;
-use std::ops::ControlFlow;
-use std::sync::atomic::{AtomicUsize, Ordering};
-use treesynth::Progress;
+use super::saved::{finish, stopped_at};
 use treesynth::glam::Vec3;
-use treesynth::self_organizing::{
-    Environment, Forest, ForestError, Habit, ShadowPropagation, SpaceColonization,
-};
+use treesynth::self_organizing::{Environment, Forest, Habit, ShadowPropagation, SpaceColonization};
 use treesynth::shape::Sphere;
 
 /// In the compact form.
@@ -26,13 +21,7 @@ fn the_compact_form_is_the_same_forest() {
     for seed in 1..=3 {
         let straight = finish(stand(seed), 8);
         for stop in 0..30 {
-            let calls = AtomicUsize::new(0);
-            let watch = |_: Progress| match calls.fetch_add(1, Ordering::Relaxed) {
-                call if call == stop => ControlFlow::Break(()),
-                _ => ControlFlow::Continue(()),
-            };
-            let mut forest = stand(seed);
-            assert_eq!(forest.grow_observed(8, &watch), Err(ForestError::Cancelled));
+            let forest = stopped_at(seed, stop);
             let (read, _) = packed(&forest);
             assert_eq!(read.trees(), forest.trees());
             assert_eq!(finish(read, 8), straight, "seed {seed}, stopped at report {stop}");

@@ -23,19 +23,25 @@ pub(super) fn finish<E: Environment>(mut forest: Forest<E>, seasons: u16) -> u64
     forest_hash(&forest)
 }
 
+/// A stand whose growth an observer stops at this report.
+pub(super) fn stopped_at(seed: u64, stop: usize) -> Forest {
+    let calls = AtomicUsize::new(0);
+    let watch = |_: Progress| match calls.fetch_add(1, Ordering::Relaxed) {
+        call if call == stop => ControlFlow::Break(()),
+        _ => ControlFlow::Continue(()),
+    };
+    let mut forest = stand(seed);
+    assert_eq!(forest.grow_observed(8, &watch), Err(ForestError::Cancelled));
+    forest
+}
+
 /// Stopped by an observer at each of its reports, between turns too.
 #[test]
 fn cancelled_anywhere() {
     for seed in 1..=3 {
         let straight = finish(stand(seed), 8);
         for stop in 0..40 {
-            let calls = AtomicUsize::new(0);
-            let watch = |_: Progress| match calls.fetch_add(1, Ordering::Relaxed) {
-                call if call == stop => ControlFlow::Break(()),
-                _ => ControlFlow::Continue(()),
-            };
-            let mut forest = stand(seed);
-            assert_eq!(forest.grow_observed(8, &watch), Err(ForestError::Cancelled));
+            let forest = stopped_at(seed, stop);
             assert_eq!(finish(reread(&forest), 8), straight, "seed {seed}, stopped at report {stop}");
         }
     }
