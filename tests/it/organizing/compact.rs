@@ -12,7 +12,11 @@ fn packed<E: Environment + serde::Serialize + serde::de::DeserializeOwned>(
 ) -> (Forest<E>, usize) {
     let mut bytes = Vec::new();
     forest.write_compact(&mut bytes).expect("a forest can be written");
-    (Forest::read_compact(&bytes[..]).expect("what was just written"), bytes.len())
+    let read = Forest::read_compact(&bytes[..]).expect("what was just written");
+    // Nothing is lost of what JSON has.
+    let text = |forest: &Forest<E>| serde_json::to_string(forest).expect("a forest can be written");
+    assert_eq!(text(&read), text(forest));
+    (read, bytes.len())
 }
 
 /// At any moment, under both environments, and in a seventh of the bytes of JSON.
@@ -26,7 +30,7 @@ fn the_compact_form_is_the_same_forest() {
             assert_eq!(read.trees(), forest.trees());
             assert_eq!(finish(read, 8), straight, "seed {seed}, stopped at report {stop}");
         }
-        let mut forest = stand(seed);
+        let mut forest = stand(seed).with_parts(3).with_most_metamers(400_000).with_most_trees(77);
         forest.grow(14).expect("no limit is near");
         let node = forest.trees()[0].ids().nth(5).expect("it has grown");
         forest.cut(0, node).expect("it stands");
