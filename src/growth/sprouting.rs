@@ -1,4 +1,4 @@
-//! Which branches a tree ever has, worked out a year at a time: laterals sprout from the shoots of the year before, and
+//! The branches that a tree ever has, worked out a year at a time: laterals sprout from the shoots of the year before, and
 //! each gets its lengths and metamers in all years.
 
 use super::architecture::Architecture;
@@ -121,7 +121,6 @@ impl<'a> Builder<'a> {
     }
 
     /// One more year: laterals of the shoots of the year before, then a shoot of every living branch.
-    ///
     fn year(&mut self, year: u16) -> Result<(), Stop> {
         // A branch takes three times the memory of a node, and each of its years up to the greatest age half of it.
         let most = self.most_nodes as usize;

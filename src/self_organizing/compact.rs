@@ -83,8 +83,7 @@ impl<E: Environment + serde::Serialize> Forest<E> {
     /// # Errors
     /// Whatever the writer returns.
     pub fn write_compact(&self, writer: impl Write) -> io::Result<()> {
-        let head = Saved::of(self).with_trees(self.trees.iter().map(TreeHead::of).collect());
-        let head = serde_json::to_vec(&head).map_err(io::Error::from)?;
+        let head = serde_json::to_vec(&Saved::of(self)).map_err(io::Error::from)?;
         let mut writer = BufWriter::new(writer);
         writer.write_all(MAGIC)?;
         writer.write_all(&(head.len() as u64).to_le_bytes())?;
@@ -122,6 +121,46 @@ impl<E: Environment + serde::de::DeserializeOwned> Forest<E> {
         });
         let trees = trees.collect::<Result<Vec<Tree>, ReadForestError>>()?;
         Ok(Self::try_from(head.with_trees(trees))?)
+    }
+}
+
+impl<'a, E: Environment> Saved<&'a E, TreeHead> {
+    /// All of a forest but its nodes.
+    fn of(forest: &'a Forest<E>) -> Self {
+        Self {
+            environment: &forest.environment,
+            habits: forest.habits.clone(),
+            trees: forest.trees.iter().map(TreeHead::of).collect(),
+            seed: forest.seed,
+            season: forest.season,
+            turn: forest.turn,
+            next_tree: forest.next_tree,
+            most_metamers: forest.most_metamers,
+            most_trees: forest.most_trees,
+            parts: forest.parts,
+            room: forest.room.marks(),
+        }
+    }
+}
+
+impl<E, T> Saved<E, T> {
+    /// Puts these trees in the place of its own.
+    fn with_trees<U>(self, trees: Vec<U>) -> Saved<E, U> {
+        let Self { environment, habits, seed, season, turn, next_tree, most_metamers, .. } = self;
+        let (most_trees, parts, room) = (self.most_trees, self.parts, self.room);
+        Saved {
+            environment,
+            habits,
+            trees,
+            seed,
+            season,
+            turn,
+            next_tree,
+            most_metamers,
+            most_trees,
+            parts,
+            room,
+        }
     }
 }
 

@@ -35,6 +35,7 @@ mod season;
 mod shadow;
 mod single;
 mod sky;
+mod slice;
 mod stature;
 mod terrain;
 #[cfg(test)]

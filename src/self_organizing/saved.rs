@@ -41,46 +41,6 @@ fn one() -> u32 {
     1
 }
 
-impl<'a, E: Environment> Saved<&'a E, ()> {
-    /// All of a forest but its trees.
-    pub(super) fn of(forest: &'a Forest<E>) -> Self {
-        Self {
-            environment: &forest.environment,
-            habits: forest.habits.clone(),
-            trees: Vec::new(),
-            seed: forest.seed,
-            season: forest.season,
-            turn: forest.turn,
-            next_tree: forest.next_tree,
-            most_metamers: forest.most_metamers,
-            most_trees: forest.most_trees,
-            parts: forest.parts,
-            room: forest.room.marks(),
-        }
-    }
-}
-
-impl<E, T> Saved<E, T> {
-    /// Puts these trees in the place of its own.
-    pub(super) fn with_trees<U>(self, trees: Vec<U>) -> Saved<E, U> {
-        let Self { environment, habits, seed, season, turn, next_tree, most_metamers, .. } = self;
-        let (most_trees, parts, room) = (self.most_trees, self.parts, self.room);
-        Saved {
-            environment,
-            habits,
-            trees,
-            seed,
-            season,
-            turn,
-            next_tree,
-            most_metamers,
-            most_trees,
-            parts,
-            room,
-        }
-    }
-}
-
 impl<E: Environment> TryFrom<Saved<E>> for Forest<E> {
     type Error = ParameterError;
 
