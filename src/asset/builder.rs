@@ -158,13 +158,15 @@ impl AssetBuilder {
     }
 
     /// The part of the triangles that bark may take if there are leaves, 0.05 to 0.95; default 0.35. The
-    /// triangles that bark does not take go to the leaves, and those that leaves do not take go to the bark.
+    /// triangles that bark does not take go to the leaves, and those that leaves do not take go to the bark. Where that is too little
+    /// for all twigs, bark takes 60% of it, and the rest goes to cards of bare twigs.
     pub fn with_bark_share(mut self, share: f32) -> Self {
         self.bark_share = share;
         self
     }
 
-    /// Greatest number of kinds of cards, 1 to 16; default 8.
+    /// Greatest number of kinds of cards, 1 to 16; default 8. Two of them are of bare twigs where whole leaves hang on such, beside
+    /// at least one of leaves.
     pub fn with_kinds(mut self, kinds: u32) -> Self {
         self.kinds = kinds;
         self

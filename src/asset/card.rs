@@ -4,6 +4,7 @@ use super::atlas::Grid;
 use super::bake::{Baked, Drawn, Raster, View};
 use super::cluster::{Cluster, Leaf};
 use super::leaf::Dress;
+use super::twig::{self, Wood};
 use crate::observer::{Cancelled, Watch};
 use crate::surface::{Instance, Material, Mesh};
 use crate::{Skeleton, math, parallel};
@@ -14,10 +15,12 @@ use std::f32::consts::FRAC_1_SQRT_2;
 pub(super) const TRIANGLES: usize = 4;
 /// Points along each side of a baked pixel.
 const SAMPLES: usize = 4;
+/// Pixels that a line of bare wood is wide at the least.
+const LINE: f32 = 1.3;
 /// Number of layers of leaves that are as opaque as wood.
 const WOOD: f32 = 4.0;
 
-/// Leaves of the tree that cards may show.
+/// Leaves of the tree, or bare twigs, that cards may show.
 pub(super) struct Source<'a> {
     pub(super) skeleton: &'a Skeleton,
     pub(super) dresses: &'a [Dress],
@@ -26,7 +29,7 @@ pub(super) struct Source<'a> {
     /// For each node, `true` if its internode is on no mesh of bark.
     pub(super) bare: &'a [bool],
     /// For each node, the numbers of the clusters of this level that it is in; `u32::MAX` for none.
-    pub(super) cluster_of: &'a [u32],
+    pub(super) cluster_of: Vec<u32>,
 }
 
 /// One kind of card.
@@ -42,16 +45,17 @@ pub(super) struct Kind {
 }
 
 impl Source<'_> {
-    /// Bakes the kinds that these clusters stand for, in cells of this grid.
+    /// Bakes the kinds that these clusters stand for, in cells of this grid, the first after those of the kinds `before`.
     pub(super) fn kinds(
         &self,
-        models: &[(u32, &Cluster)],
+        models: &[&(u32, Cluster)],
         grid: Grid,
+        before: usize,
         watch: &Watch<'_>,
     ) -> Result<Vec<Kind>, Cancelled> {
         let kinds = parallel::map(models.len(), |number| {
             let (id, cluster) = models[number];
-            self.kind(id, cluster, grid, 2 * number, watch)
+            self.kind(*id, cluster, grid, 2 * (before + number), watch)
         });
         watch.pass(0)?;
         Ok(kinds)
@@ -70,6 +74,11 @@ impl Source<'_> {
                 let offset = inverse * (copy.position - cluster.middle);
                 points.extend(dress.mesh.positions.iter().map(|&point| matrix * point + offset));
             }
+        }
+        let is_bare = points.is_empty();
+        if is_bare {
+            let ends = self.wood(id, cluster, |_| true).into_iter().flat_map(|wood| wood.ends);
+            points.extend(ends.map(|end| inverse * (end - cluster.middle)));
         }
         // Wood is seen only among the leaves: it would widen the picture, and they would be small in it.
         let low = points.iter().copied().reduce(Vec3::min).unwrap_or_default();
@@ -120,7 +129,13 @@ impl Source<'_> {
                     watch,
                 );
             }
-            let ribbons = ribbons(&wood, view.toward);
+            // Lines thinner than a pixel would be dashes: rather fewer and thicker ones.
+            let least = LINE * half.max_element() / side as f32;
+            let ribbons = if is_bare {
+                ribbons(&twig::fewer(&wood, least), view.toward)
+            } else {
+                ribbons(&wood, view.toward)
+            };
             raster.draw(
                 &Drawn {
                     mesh: &ribbons,
@@ -159,17 +174,18 @@ impl Source<'_> {
         let mut copies = vec![Vec::new(); self.dresses.len()];
         for &leaf in &cluster.leaves {
             let Leaf { dress, mut copy, .. } = self.all[leaf as usize];
+            let Some(own) = copies.get_mut(dress as usize) else { continue };
             for (tint, mean) in copy.tint.iter_mut().zip(cluster.tint) {
                 // The mean comes back as the tint of the card.
                 *tint /= mean.max(1e-3);
             }
-            copies[dress as usize].push(copy);
+            own.push(copy);
         }
         copies
     }
 
-    /// The ends and radii of the internodes of a cluster that have no bark of their own and an end where it `is_seen`.
-    fn wood(&self, id: u32, cluster: &Cluster, is_seen: impl Fn(Vec3) -> bool) -> Vec<([Vec3; 2], f32)> {
+    /// The internodes of a cluster that have no bark of their own and an end where it `is_seen`, parents before children.
+    fn wood(&self, id: u32, cluster: &Cluster, is_seen: impl Fn(Vec3) -> bool) -> Vec<Wood> {
         let mut wood = Vec::new();
         let positions = self.skeleton.positions();
         for node in cluster.root as usize..self.skeleton.len() {
@@ -177,7 +193,7 @@ impl Source<'_> {
                 let Some(parent) = self.skeleton.parent(node) else { continue };
                 let ends = [positions[parent], positions[node]];
                 if ends.into_iter().any(&is_seen) {
-                    wood.push((ends, self.skeleton.radii()[node]));
+                    wood.push(Wood { node, parent, ends, radius: self.skeleton.radii()[node] });
                 }
             }
         }
@@ -249,9 +265,9 @@ fn solve(mut rows: [[f64; 5]; 4]) -> [f64; 4] {
 }
 
 /// Strips along internodes that face the viewer.
-fn ribbons(wood: &[([Vec3; 2], f32)], toward: Vec3) -> Mesh {
+fn ribbons(wood: &[Wood], toward: Vec3) -> Mesh {
     let mut mesh = Mesh::default();
-    for &([from, to], radius) in wood {
+    for &Wood { ends: [from, to], radius, .. } in wood {
         let across = (to - from).cross(toward).normalize_or_zero() * radius;
         let first = mesh.positions.len() as u32;
         mesh.positions.extend([from - across, from + across, to + across, to - across]);

@@ -1,4 +1,4 @@
-//! Leaves in groups along the branches: what one card stands for.
+//! Leaves, or bare twigs, in groups along the branches: what one card stands for.
 
 use crate::Skeleton;
 use crate::foliage::Leaves;
@@ -9,7 +9,7 @@ use glam::{Mat3, Vec3};
 /// State of one leaf of the tree.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Leaf {
-    /// The number of its [`Dress`](super::leaf::Dress).
+    /// The number of its [`Dress`](super::leaf::Dress); a bare twig has [none](super::twig::NO_DRESS).
     pub(super) dress: u32,
     pub(super) copy: Instance,
     /// The middle of its mesh, metres.
@@ -18,10 +18,10 @@ pub(super) struct Leaf {
     pub(super) area: f32,
 }
 
-/// The area that a leaf counts as at the least, square metres.
-const LEAST_AREA: f32 = 1e-12;
-
 impl Leaf {
+    /// The area that a leaf counts as at the least, square metres.
+    pub(super) const LEAST_AREA: f32 = 1e-12;
+
     /// All leaves of a tree; `dress` says what a leaf of a number in its [`Leaves`] wears.
     pub(super) fn all(leaves: &[Leaves], dress: impl Fn(usize, usize) -> u32) -> Vec<Self> {
         let mut all = Vec::with_capacity(leaves.iter().map(|leaves| leaves.instances.len()).sum());
@@ -34,7 +34,7 @@ impl Leaf {
                 copy,
                 middle: copy.matrix() * bounds.center() + copy.position,
                 // A leaf without area is still one to be grouped.
-                area: (area * copy.scale * copy.scale).max(LEAST_AREA),
+                area: (area * copy.scale * copy.scale).max(Self::LEAST_AREA),
             }));
         }
         all
@@ -232,11 +232,11 @@ fn principal(mut a: [[f64; 3]; 3]) -> [Vec3; 3] {
 /// stands for it. At most `kinds` kinds, none empty. Lloyd's algorithm from the start of Arthur and
 /// Vassilvitskii 2007, over the shape of the clusters and, with less weight, their density and size.
 /// O(clusters · kinds).
-pub(super) fn kinds(clusters: &[Cluster], kinds: usize) -> (Vec<u32>, Vec<u32>) {
+pub(super) fn kinds(clusters: &[(u32, Cluster)], kinds: usize) -> (Vec<u32>, Vec<u32>) {
     type Traits = [f32; 5];
     let traits: Vec<Traits> = clusters
         .iter()
-        .map(|cluster| {
+        .map(|(_, cluster)| {
             let (size, spread) = (cluster.size(), cluster.spread / cluster.size());
             let crowded = crate::math::ln(cluster.area.max(1e-12) / (size * size));
             [spread.x, spread.y, spread.z, 0.35 * crowded, 0.35 * crate::math::ln(size)]
@@ -263,7 +263,9 @@ pub(super) fn kinds(clusters: &[Cluster], kinds: usize) -> (Vec<u32>, Vec<u32>) 
         let off: Vec<f32> = traits
             .iter()
             .zip(clusters)
-            .map(|(traits, cluster)| distance(&centers[nearest(&centers, traits)], traits) * cluster.area)
+            .map(|(traits, (_, cluster))| {
+                distance(&centers[nearest(&centers, traits)], traits) * cluster.area
+            })
             .collect();
         let total: f32 = off.iter().sum();
         let mut rest = total * random::unit(0, 0, Purpose::CARDS, centers.len() as u64);

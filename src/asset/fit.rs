@@ -23,6 +23,8 @@ const VIEWS: [(f32, f32); 4] =
 const LARGER: (f32, f32) = (0.6, 1.8);
 /// Range of the factor on the alpha of cards, if their size is not enough.
 pub(super) const THICKER: (f32, f32) = (0.2, 4.0);
+/// The same of cards of bare twigs, whose lines would become dashes.
+pub(super) const TWIGS_THICKER: (f32, f32) = (1.0, 4.0);
 /// Range of the factor on the colours of cards.
 const GAIN: (f32, f32) = (0.6, 1.6);
 /// Cover that is no more off than this is right.
@@ -78,10 +80,12 @@ impl Look {
 /// Cards before it is known how large they are.
 #[derive(Clone, Copy)]
 pub(super) struct Cards<'a> {
-    pub(super) clusters: &'a [Cluster],
+    pub(super) clusters: &'a [&'a Cluster],
     pub(super) kind_of: &'a [u32],
     pub(super) kinds: &'a [Kind],
     pub(super) grid: Grid,
+    /// Range of the factor on their alpha.
+    pub(super) thicker: (f32, f32),
     pub(super) watch: &'a Watch<'a>,
 }
 
@@ -127,7 +131,7 @@ impl Cards<'_> {
         }
         (off, gain, larger) = best;
         self.place(asset, larger);
-        let (mut thicker, (mut low, mut high)) = (1.0f32, THICKER);
+        let (mut thicker, (mut low, mut high)) = (1.0f32, self.thicker);
         let mut best = (off, gain, thicker);
         for _ in 0..6 {
             if off.abs() < 3.0 * NEAR {
@@ -137,6 +141,9 @@ impl Cards<'_> {
                 high = thicker;
             } else {
                 low = thicker;
+            }
+            if low >= high {
+                break;
             }
             thicker = (low * high).sqrt();
             self.dress(asset, thicker, [1.0; 3])?;

@@ -15,6 +15,7 @@ mod measure;
 mod skin;
 mod tangents;
 mod tree;
+mod twig;
 mod wind;
 mod young;
 

@@ -1,25 +1,27 @@
 //! The data that all levels of one tree share, and the division of a budget into bark, leaves and cards.
 
 use super::atlas::{self, Grid};
-use super::card::{self, Source};
+use super::card::{self, Kind, Source};
 use super::cluster::{self, Cluster, Leaf};
 use super::fit::{Cards, Look};
 use super::leaf::Dress;
 use super::light::{Crown, in_bytes};
 use super::tangents::with_tangents;
-use super::{Asset, AssetBuilder, AssetError, Piece};
+use super::{Asset, AssetBuilder, AssetError, Piece, fit, twig};
 use crate::foliage::{Canopy, Leaves};
 use crate::observer::Watch;
 use crate::random::{self, Purpose};
 use crate::surface::{Instance, Material, Mesh, SurfaceError};
-use crate::texture::Textures;
 use crate::{Bounds, ParameterError, Skeleton};
 use glam::Vec3;
 use std::cell::OnceCell;
-use std::sync::Arc;
 
 /// Leaves that one card stands for at the least, at their mean size.
 const FEWEST: f32 = 6.0;
+/// The part of the triangles that bark gets where leaves do not need the rest, and twigs are too many for all of it.
+const BARK_OF_BARE: f32 = 0.6;
+/// Kinds of cards for the twigs of whole leaves.
+const TWIG_KINDS: usize = 2;
 /// Steps from one report to the next.
 pub(super) const DRAWN: usize = 2048;
 /// Images of one leaf.
@@ -44,6 +46,18 @@ pub(super) struct Tree<'a> {
 pub(super) struct Grouping {
     roots: Vec<u32>,
     of: Vec<u32>,
+}
+
+/// Clusters, each with its number, that cards stand for.
+struct Carded<'a> {
+    clusters: Vec<(u32, Cluster)>,
+    source: Source<'a>,
+}
+
+impl Carded<'_> {
+    fn is_bare(&self) -> bool {
+        self.source.all.first().is_some_and(|first| first.dress == twig::NO_DRESS)
+    }
 }
 
 impl<'a> Tree<'a> {
@@ -111,7 +125,7 @@ impl<'a> Tree<'a> {
     /// The dense model.
     pub(super) fn dense(&self) -> Asset {
         let whole = (0..self.all.len()).collect::<Vec<_>>();
-        self.assemble(self.bark.clone(), 0.0, &self.standing(&whole, &[]), Vec::new(), None)
+        self.assemble(self.bark.clone(), 0.0, &self.standing(&whole, &[]))
     }
 
     /// The look of the dense model; nothing if there is nothing to be seen. It is drawn once for all levels.
@@ -142,11 +156,17 @@ impl<'a> Tree<'a> {
             return Ok((self.bent(self.dense())?, self.regroup(usize::MAX, finer)?));
         }
         let (bark, error, kept) = self.bark_within(most)?;
+        let bare = self.bare(&kept);
         let room = most - bark.triangles().len();
         if self.leaf_triangles <= room {
             let whole = (0..self.all.len()).collect::<Vec<_>>();
-            let asset =
-                self.assemble(bark, error, &self.standing(&whole, &self.bare(&kept)), Vec::new(), None);
+            let asset = self.assemble(bark, error, &self.standing(&whole, &bare));
+            let twigs = twig::all(self.skeleton, &bare);
+            let cards = (room - self.leaf_triangles) / card::TRIANGLES;
+            let asset = match self.twigs_in_groups(&twigs, &bare, cards) {
+                Some(twigs) => self.with_cards(asset, &[twigs], side)?,
+                None => asset,
+            };
             return Ok((self.bent(asset)?, self.regroup(usize::MAX, finer)?));
         }
         if room < card::TRIANGLES {
@@ -156,33 +176,86 @@ impl<'a> Tree<'a> {
         let grouping = self.regroup(room / card::TRIANGLES, finer)?;
         let clusters = Cluster::all(self.skeleton, &self.all, &grouping.roots, &grouping.of);
         let (whole, carded) = self.share(&clusters, room);
-        let (bare, cluster_of) = (self.bare(&kept), self.cluster_of(&grouping.roots));
-        let source = Source {
-            skeleton: self.skeleton,
-            dresses: &self.dresses,
-            all: &self.all,
-            bark: self.builder.wood(),
-            bare: &bare,
-            cluster_of: &cluster_of,
-        };
-        let chosen: Vec<Cluster> = carded.iter().map(|&i| clusters[i].clone()).collect();
-        let (kind_of, models) = cluster::kinds(&chosen, self.builder.kinds as usize);
-        let mut grid = Grid::of(2 * models.len(), 1);
-        grid.cell = (side as usize / grid.columns.max(grid.rows)).max(4 * atlas::PADDING);
-        let models: Vec<(u32, &Cluster)> =
-            models.iter().map(|&i| (carded[i as usize] as u32, &chosen[i as usize])).collect();
-        let kinds = source.kinds(&models, grid, self.watch)?;
-        let whole: Vec<usize> =
+        let leaves: Vec<usize> =
             whole.iter().flat_map(|&i| clusters[i].leaves.iter().map(|&leaf| leaf as usize)).collect();
-        let meshes: Vec<Mesh> = kinds.iter().map(|kind| kind.mesh.clone()).collect();
-        let mut asset = self.assemble(bark, error, &self.standing(&whole, &bare), meshes, None);
-        let watch = self.watch;
-        Cards { clusters: &chosen, kind_of: &kind_of, kinds: &kinds, grid, watch }.fit(
-            &mut asset,
-            self.bark.bounds().map_or(0.0, |bounds| bounds.size().y),
-            || self.look(),
-        )?;
+        let asset = self.assemble(bark, error, &self.standing(&leaves, &bare));
+        let cluster_of = self.cluster_of(&grouping.roots);
+        // Whole leaves do not stand in the air: their twigs are on cards.
+        let twigs = twig::all(self.skeleton, &bare);
+        let of = |twig: &Leaf| cluster_of[twig.copy.node as usize] as usize;
+        let twigs: Vec<Leaf> =
+            twigs.into_iter().filter(|twig| whole.binary_search(&of(twig)).is_ok()).collect();
+        let mut members = vec![Vec::new(); clusters.len()];
+        twigs.iter().enumerate().for_each(|(i, twig)| members[of(twig)].push(i as u32));
+        let twiggy = members.into_iter().enumerate().filter(|(_, members)| !members.is_empty());
+        let twiggy = twiggy.map(|(id, members)| {
+            (id as u32, Cluster::new(self.skeleton, &twigs, grouping.roots[id], members))
+        });
+        let twiggy =
+            Carded { clusters: twiggy.collect(), source: self.source(&twigs, &bare, cluster_of.clone()) };
+        let leafy = Carded {
+            clusters: carded.into_iter().map(|id| (id as u32, clusters[id].clone())).collect(),
+            source: self.source(&self.all, &bare, cluster_of),
+        };
+        let asset = self.with_cards(asset, &[leafy, twiggy], side)?;
         Ok((self.bent(asset)?, grouping))
+    }
+
+    /// The twigs that no bark is about, for at most `most` cards, if there are any.
+    fn twigs_in_groups<'b>(&'b self, twigs: &'b [Leaf], bare: &'b [bool], most: usize) -> Option<Carded<'b>> {
+        if twigs.is_empty() {
+            return None;
+        }
+        let weights: Vec<_> = twigs.iter().map(|twig| (twig.copy.node, twig.area)).collect();
+        let area: f32 = weights.iter().map(|(_, area)| area).sum();
+        let least = FEWEST * area / twigs.len() as f32;
+        let (roots, of) = cluster::group(self.skeleton, &weights, most, least)?;
+        let clusters = Cluster::all(self.skeleton, twigs, &roots, &of);
+        let clusters = (0..).zip(clusters).collect();
+        Some(Carded { clusters, source: self.source(twigs, bare, self.cluster_of(&roots)) })
+    }
+
+    fn source<'b>(&'b self, all: &'b [Leaf], bare: &'b [bool], cluster_of: Vec<u32>) -> Source<'b> {
+        let (skeleton, dresses, bark) = (self.skeleton, &self.dresses[..], self.builder.wood());
+        Source { skeleton, dresses, all, bark, bare, cluster_of }
+    }
+
+    /// The asset with cards in the place of these clusters, their images at most `side` pixels wide.
+    fn with_cards(&self, mut asset: Asset, carded: &[Carded<'_>], side: u32) -> Result<Asset, AssetError> {
+        let carded = || carded.iter().filter(|carded| !carded.clusters.is_empty());
+        let has_leaves = carded().any(|carded| !carded.is_bare());
+        let kinds = self.builder.kinds as usize;
+        let of_leaves = if carded().count() > 1 { kinds.saturating_sub(TWIG_KINDS).max(1) } else { kinds };
+        let sorted: Vec<_> = carded()
+            .map(|carded| {
+                let most = if carded.is_bare() && has_leaves { TWIG_KINDS } else { of_leaves };
+                cluster::kinds(&carded.clusters, most)
+            })
+            .collect();
+        let mut grid = Grid::of(2 * sorted.iter().map(|(_, models)| models.len()).sum::<usize>(), 1);
+        grid.cell = (side as usize / grid.columns.max(grid.rows)).max(4 * atlas::PADDING);
+        let (mut clusters, mut kind_of, mut kinds) = (Vec::new(), Vec::new(), Vec::<Kind>::new());
+        for (carded, (of, models)) in carded().zip(sorted) {
+            let first = kinds.len() as u32;
+            kind_of.extend(of.into_iter().map(|kind| first + kind));
+            clusters.extend(carded.clusters.iter().map(|(_, cluster)| cluster));
+            let models: Vec<_> = models.iter().map(|&i| &carded.clusters[i as usize]).collect();
+            kinds.extend(carded.source.kinds(&models, grid, kinds.len(), self.watch)?);
+        }
+        // Materials are multiplied with the images, which have all the colour.
+        let material = if has_leaves { Material::leaf() } else { self.builder.wood() };
+        asset.cards.extend(kinds.iter().map(|kind| Piece {
+            name: "cards",
+            mesh: kind.mesh.clone(),
+            material: material.with_color([1.0; 3]),
+            textures: None,
+            instances: Vec::new(),
+            bent: None,
+        }));
+        let thicker = if has_leaves { fit::THICKER } else { fit::TWIGS_THICKER };
+        Cards { clusters: &clusters, kind_of: &kind_of, kinds: &kinds, grid, thicker, watch: self.watch }
+            .fit(&mut asset, self.bark.bounds().map_or(0.0, |bounds| bounds.size().y), || self.look())?;
+        Ok(asset)
     }
 
     /// The bark within its share of a budget of `most` triangles, its error, and for each branch whether it
@@ -211,7 +284,24 @@ impl<'a> Tree<'a> {
             }
             other => other,
         };
-        let (level, kept) = within?;
+        let (mut level, mut kept) = within?;
+        if kept.contains(&false) && level.mesh.triangles().len() <= spare {
+            // Leaves have all that they need: thin twigs go on cards, and what these do not need comes back to the bark.
+            let mut thick = (spare as f32 * BARK_OF_BARE) as usize;
+            for _ in 0..2 {
+                match tubes.within_keeping(self.skeleton, thick, self.watch) {
+                    Ok(found) => (level, kept) = found,
+                    Err(SurfaceError::TooFewTriangles { .. }) => break,
+                    Err(error) => return Err(error.into()),
+                }
+                let bare = self.bare(&kept).into_iter().filter(|bare| *bare).count();
+                let cards = bare / FEWEST as usize * card::TRIANGLES;
+                if spare.saturating_sub(cards) <= thick {
+                    break;
+                }
+                thick = spare - cards;
+            }
+        }
         Ok((level.mesh, level.error, kept))
     }
 
@@ -257,11 +347,11 @@ impl<'a> Tree<'a> {
                 .iter()
                 .map(|&leaf| self.dresses[self.all[leaf as usize].dress as usize].mesh.triangles().len())
                 .sum();
-            let more = cost.saturating_sub(card::TRIANGLES);
-            if more > left {
+            // The card stays, for the twigs.
+            if cost > left {
                 break;
             }
-            left -= more;
+            left -= cost;
             whole += 1;
         }
         let mut cards = order.split_off(whole);
@@ -312,15 +402,8 @@ impl<'a> Tree<'a> {
         of
     }
 
-    /// The asset of this bark, these leaves whole, and cards of these meshes that stand nowhere yet.
-    fn assemble(
-        &self,
-        bark: Mesh,
-        error: f32,
-        whole: &[(u32, Instance)],
-        cards: Vec<Mesh>,
-        textures: Option<Textures>,
-    ) -> Asset {
+    /// The asset of this bark and these leaves.
+    fn assemble(&self, bark: Mesh, error: f32, whole: &[(u32, Instance)]) -> Asset {
         let mut instances: Vec<Vec<Instance>> = vec![Vec::new(); self.dresses.len()];
         for &(dress, copy) in whole {
             instances[dress as usize].push(copy);
@@ -332,17 +415,6 @@ impl<'a> Tree<'a> {
             material: dress.material,
             textures: dress.textures.clone(),
             instances,
-            bent: None,
-        });
-        // Materials are multiplied with the images, which have all the colour.
-        let material = Material::leaf().with_color([1.0; 3]);
-        let textures = textures.map(Arc::new);
-        let cards = cards.into_iter().map(|mesh| Piece {
-            name: "cards",
-            mesh,
-            material,
-            textures: textures.clone(),
-            instances: Vec::new(),
             bent: None,
         });
         let mut bark = Piece {
@@ -359,7 +431,7 @@ impl<'a> Tree<'a> {
             young,
             coats: Vec::new(),
             leaves: leaves.collect(),
-            cards: cards.collect(),
+            cards: Vec::new(),
             error,
             crown: None,
         }

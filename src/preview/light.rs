@@ -31,6 +31,13 @@ pub(super) struct Seen {
     sky: f32,
 }
 
+impl Seen {
+    /// Light from the sky, relative to all of it: in a crown it goes on from leaf to leaf and from leaf to wood.
+    fn sky_and_bounced(self) -> f32 {
+        self.sky.sqrt()
+    }
+}
+
 /// The light on a place, without the shadows of solids.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Lit {
@@ -124,8 +131,7 @@ impl<'a> Light<'a> {
     pub(super) fn falling(&self, seen: Seen, normal: Vec3, thin: bool) -> Vec3 {
         let facing = normal.dot(self.sun);
         let slope = if facing > 0.0 || !thin { facing.max(0.0) } else { -facing * TRANSMITTED };
-        // Among leaves light goes on from one to the next.
-        let sky = if thin { seen.sky.sqrt() } else { seen.sky };
+        let sky = seen.sky_and_bounced();
         SUN * (slope * seen.sun) + GROUND.lerp(SKY, 0.5 + 0.5 * normal.y) * sky
     }
 
@@ -164,7 +170,7 @@ impl<'a> Light<'a> {
             (false, true, None) => color * sun * (from_behind * TRANSMITTED),
             (false, false, None) => Vec3::ZERO,
         };
-        let sky = if thin { seen.sky.sqrt() } else { seen.sky };
+        let sky = seen.sky_and_bounced();
         let sky = GROUND.lerp(SKY, 0.5 + 0.5 * normal.y) * (sky * occlusion);
         direct + color * sky + sun * self.gloss(surface) * slope.max(0.0)
     }

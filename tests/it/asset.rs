@@ -146,6 +146,36 @@ fn levels_are_smaller_and_nested_and_look_alike() {
     );
 }
 
+#[test]
+fn bare_trees_keep_their_twigs() {
+    let (mut worst, mut with_cards) = ([0.0f32; 2], 0);
+    for preset in presets::guided().step_by(9) {
+        let tree = tree(preset, 6_000);
+        let builder = AssetBuilder::default().with_bark(preset.bark()).with_texture_size(512);
+        let dense = builder.clone().with_triangles(None).build(&tree, 1).expect(preset.name);
+        assert_eq!(dense.cards(), 0);
+        let height = dense.bark().bounds().expect("bark").size().y;
+        for triangles in [1_500, 5_000] {
+            let asset = builder.clone().with_triangles(Some(triangles)).build(&tree, 1).expect(preset.name);
+            let found = asset.triangles();
+            assert!(found <= triangles && 2 * found > triangles, "{}: {found} of {triangles}", preset.name);
+            check(&asset, preset.name);
+            with_cards += usize::from(asset.cards() > 0);
+            let pixels = asset.pixels(height).clamp(8.0, 240.0) as u32;
+            let like = Likeness::of(&asset.parts(), &dense.parts(), pixels).expect(preset.name);
+            println!(
+                "{} {found} triangles, {} cards at {pixels} pixels: {like:?}",
+                preset.name,
+                asset.cards()
+            );
+            worst = [worst[0].max(like.cover.abs()), worst[1].max(like.color)];
+        }
+    }
+    assert!(with_cards > 4, "{with_cards}");
+    // Bark within a budget is a little thicker than what it stands for, and cards cannot make up for all of it.
+    assert!(worst[0] < 0.05 && worst[1] < 2.0, "cover and colour are off by {worst:?}");
+}
+
 /// Whether one of these nodes is `node` or above it.
 fn bears(tree: &Skeleton, node: u32, nodes: &[u32]) -> bool {
     nodes.iter().any(|&other| {
