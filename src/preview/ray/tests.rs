@@ -12,7 +12,7 @@ use std::ops::ControlFlow;
 use std::sync::Mutex;
 
 /// The hash of the picture that all numbers of threads draw.
-const PINNED: u64 = 0x0ae5_d8ba_b2b2_42cd;
+const PINNED: u64 = 0x163d_ae7c_9077_d74b;
 const BOX: Bounds = Bounds { min: Vec3::new(-2.0, -2.0, -2.0), max: Vec3::new(2.0, 2.0, 2.0) };
 const BALL: Shape = Shape::Sphere(Vec3::new(0.1, 0.2, 0.3), 1.0);
 const RING: Shape = Shape::Torus(Vec3::ZERO, 1.2, 0.3);
