@@ -67,8 +67,14 @@ fn run() -> Result<(), Failure> {
         }
     }
     let kind = match task.ok_or(USAGE)? {
-        Task::Table => return Ok(print(table::lines(seeds)?)),
-        Task::Classify => return Ok(print(classify::lines(seeds)?)),
+        Task::Table => {
+            print(table::lines(seeds)?);
+            return Ok(());
+        }
+        Task::Classify => {
+            print(classify::lines(seeds)?);
+            return Ok(());
+        }
         Task::Sheet(kind) => kind,
     };
     let mut outputs = Outputs::new("--out", &out)?;
