@@ -214,6 +214,6 @@ fn plot(trace: &[Step], size: u32) -> Result<Picture, PreviewError> {
         }
     }
     picture.label(&format!("{most:.0}"), 4, 16, 1, [60, 60, 60]);
-    picture.label(&format!("{least:.0}"), 4, size as i32 / 2 - 26, 1, [60, 60, 60]);
+    picture.label(&format!("{least:.0}"), 4, (size / 2).cast_signed() - 26, 1, [60, 60, 60]);
     Ok(picture)
 }

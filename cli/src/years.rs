@@ -3,6 +3,7 @@
 use crate::arguments::Common;
 use crate::clothe::{Clothes, Model, triangles};
 use crate::failure::refused;
+use crate::files::Outputs;
 use crate::number::{number, text};
 use crate::progress::Bar;
 use crate::wish::stem;
@@ -10,6 +11,7 @@ use crate::write::{Out, Tree, write_animation};
 use crate::{Failure, report};
 use clap::Args;
 use serde_json::json;
+use std::path::PathBuf;
 use treesynth::Silent;
 use treesynth::foliage::{Leaf, Leaves};
 use treesynth::growth::{Growth, TreeAtAge};
@@ -68,7 +70,7 @@ pub(crate) fn run(options: &Options, common: &Common) -> Result<(), Failure> {
     let seed = options.seed.unwrap_or(preset.seed);
     let growth = preset.grow(seed)?;
     let oldest = f32::from(growth.years());
-    let [from, to] = options.span(preset, oldest)?;
+    let span = options.span(preset, oldest)?;
     let last = preset.ages.last().copied().unwrap_or(oldest).min(oldest);
     let age = options.age.unwrap_or(last);
     if age > oldest {
@@ -98,26 +100,14 @@ pub(crate) fn run(options: &Options, common: &Common) -> Result<(), Failure> {
     let tree = Tree { levels: &levels, coverages: &coverages, skeleton, bark: preset.bark() };
     let mut files = options.out.tree(&mut outputs, &name, &tree)?;
 
-    // All pictures are framed as the oldest tree is, so that it is the tree that grows and not the picture.
-    let size = options.out.size.min(1024);
-    let framed = |oldest: f32| -> Result<Preview, Failure> {
-        let oldest = Look::at(preset, &growth, oldest, 4)?;
-        let camera = Camera::default().with_frame(oldest.mesh.bounds().ok_or("nothing has sprouted yet")?);
-        Ok(Preview::default().with_camera(camera).with_size(size * 3 / 4, size).with_ground_height(0.0))
-    };
-    let draw = |preview: &Preview, age: f32| -> Result<Picture, Failure> {
-        let look = Look::at(preset, &growth, age, 5)?;
-        let mut picture = look.draw(preset, preview, options.skin)?;
-        picture.label(&format!("{age:.1} years"), 8, 8, 1 + size / 400, [70, 70, 70]);
-        Ok(picture)
-    };
+    let drawing = Drawing { preset, growth: &growth, skin: options.skin, size: options.out.size.min(1024) };
     if !options.no_sheet {
         let ages: Vec<f32> = preset.ages.iter().copied().filter(|&age| age <= oldest).collect();
         bar.parts("drawing ages", ages.len() as u64);
-        let preview = framed(last)?;
+        let preview = drawing.framed(last)?;
         let mut pictures = Vec::new();
         for &age in &ages {
-            pictures.push(draw(&preview, age)?);
+            pictures.push(drawing.draw(&preview, age)?);
             bar.done(pictures.len() as u64);
         }
         let sheet = Picture::sheet(&pictures, ages.len() as u32, 4, [255; 3])?;
@@ -125,28 +115,7 @@ pub(crate) fn run(options: &Options, common: &Common) -> Result<(), Failure> {
         outputs.write(&path, |writer| Ok(sheet.write_png(writer)?))?;
         files.push(path);
     }
-    let a_year = if to - from < 2.0 { 48 } else { (to - from).round() as u32 + 1 };
-    let count = options.frames.unwrap_or(a_year);
-    if count > 0 {
-        bar.parts("drawing years", u64::from(count));
-        let preview = framed(to)?;
-        let mut drawn = Vec::new();
-        for frame in 0..count {
-            // From summer to summer with one frame a year it is always summer.
-            let age = from + (to - from) * frame as f32 / (count - 1) as f32;
-            let picture = draw(&preview, age)?;
-            if options.stills {
-                let path = outputs.path(&format!("{name}/{frame:04}.png"));
-                outputs.write(&path, |writer| Ok(picture.write_png(writer)?))?;
-                files.push(path);
-            }
-            drawn.push(picture);
-            bar.done(u64::from(frame) + 1);
-        }
-        let path = outputs.path(&format!("{name}.apng"));
-        write_animation(&mut outputs, &path, &drawn, (10_000 / count).clamp(40, 400) as u16)?;
-        files.push(path);
-    }
+    files.extend(options.animate(&drawing, span, &name, &mut outputs, &bar)?);
     outputs.finish()?;
     let milliseconds = bar.finish();
     let leaves: usize = look.leaves.iter().map(|tone| tone.instances.len()).sum();
@@ -186,6 +155,41 @@ impl Options {
         )))
     }
 
+    /// The animation and its stills; the paths of their files.
+    fn animate(
+        &self,
+        drawing: &Drawing<'_>,
+        [from, to]: [f32; 2],
+        name: &str,
+        outputs: &mut Outputs,
+        bar: &Bar,
+    ) -> Result<Vec<PathBuf>, Failure> {
+        let a_year = if to - from < 2.0 { 48 } else { (to - from).round() as u32 + 1 };
+        let count = self.frames.unwrap_or(a_year);
+        let mut files = Vec::new();
+        if count == 0 {
+            return Ok(files);
+        }
+        bar.parts("drawing years", u64::from(count));
+        let preview = drawing.framed(to)?;
+        let mut drawn = Vec::new();
+        for frame in 0..count {
+            // With one picture a year from summer to summer it is always summer.
+            let picture = drawing.draw(&preview, from + (to - from) * frame as f32 / (count - 1) as f32)?;
+            if self.stills {
+                let path = outputs.path(&format!("{name}/{frame:04}.png"));
+                outputs.write(&path, |writer| Ok(picture.write_png(writer)?))?;
+                files.push(path);
+            }
+            drawn.push(picture);
+            bar.done(u64::from(frame) + 1);
+        }
+        let path = outputs.path(&format!("{name}.apng"));
+        write_animation(outputs, &path, &drawn, (10_000 / count).clamp(40, 400) as u16)?;
+        files.push(path);
+        Ok(files)
+    }
+
     /// By its whole name, or by what it ends in; the drawings in the plane are those of a figure.
     fn preset(&self) -> Result<&'static Grown, Failure> {
         let ending = format!("-{}", self.name_of_tree.to_lowercase());
@@ -193,6 +197,33 @@ impl Options {
             Some(preset) => Ok(preset),
             None => presets::by_name(&self.name_of_tree).and_then(Found::grown).map_err(refused),
         }
+    }
+}
+
+/// Pictures of a tree at several ages, all framed alike, so that it is the tree that grows and not the picture.
+struct Drawing<'a> {
+    preset: &'a Grown,
+    growth: &'a Growth,
+    /// With scars and ridges instead of tubes.
+    skin: bool,
+    /// Height, pixels.
+    size: u32,
+}
+
+impl Drawing<'_> {
+    /// As the tree of this age fills it.
+    fn framed(&self, age: f32) -> Result<Preview, Failure> {
+        let look = Look::at(self.preset, self.growth, age, 4)?;
+        let camera = Camera::default().with_frame(look.mesh.bounds().ok_or("nothing has sprouted yet")?);
+        let preview = Preview::default().with_camera(camera).with_ground_height(0.0);
+        Ok(preview.with_size(self.size * 3 / 4, self.size))
+    }
+
+    fn draw(&self, preview: &Preview, age: f32) -> Result<Picture, Failure> {
+        let look = Look::at(self.preset, self.growth, age, 5)?;
+        let mut picture = look.draw(self.preset, preview, self.skin)?;
+        picture.label(&format!("{age:.1} years"), 8, 8, 1 + self.size / 400, [70, 70, 70]);
+        Ok(picture)
     }
 }
 
