@@ -1,33 +1,31 @@
 //! `forest`: a stand that grows season by season, or trees of species in their places.
 
+mod stand;
+
 use crate::arguments::Common;
 use crate::clothe::Clothes;
 use crate::failure::refused;
 use crate::number::{number, text};
 use crate::progress::Bar;
 use crate::wish::{Wish, stem};
-use crate::write::{Out, write_animation};
+use crate::write::Out;
 use crate::{Failure, report};
 use clap::Args;
 use serde_json::json;
-use std::ops::ControlFlow;
 use treesynth::asset::Asset;
-use treesynth::foliage::Leaves;
 use treesynth::glam::{Quat, Vec3};
-use treesynth::presets::{self, Found, Season, Stand};
-use treesynth::preview::{Camera, Preview};
+use treesynth::math;
+use treesynth::presets::{self, Found};
 use treesynth::random::{Purpose, unit};
-use treesynth::self_organizing::Environment;
 use treesynth::species::Species;
-use treesynth::surface::{Material, Mesh, Part, Scene, Transform, Tubes};
-use treesynth::{Bounds, Forest, Progress, Work, math};
+use treesynth::surface::{Part, Scene, Transform};
 
 /// Grow a stand season by season, or a forest of species
 #[derive(Args)]
 #[command(after_help = "\
 Examples:
   treesynth forest stand-generations --seasons 20
-  treesynth forest stand-slope --format glb,png,obj --animation
+  treesynth forest stand-slope --format glb,png,obj --animation --frames 8
   treesynth forest beech \"scots pine\" --trees 40 --spacing 5 --budget 3000
   treesynth forest oak --trees 9 --variants 3 --day 290 --format usdz")]
 pub(crate) struct Options {
@@ -43,9 +41,15 @@ pub(crate) struct Options {
     /// Metamers that a stand may have, 1 to 5000000 [default: 300000]
     #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = number(1..=5_000_000_usize, "metamers"), help_heading = "Stands")]
     metamers: Option<usize>,
-    /// Write NAME.apng too, a picture a season; takes as long again
+    /// Write NAME.apng too, a film of the seasons; takes as long again
     #[arg(long, help_heading = "Stands")]
     animation: bool,
+    /// Pictures of the film for each season, 1 to 24; with more than one the trees are bare [default: 1]
+    #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = number(1..=24_u32, "pictures"), requires = "animation", help_heading = "Stands")]
+    frames: Option<u32>,
+    /// Write the files of each season too, NAME/001.glb and so on
+    #[arg(long, help_heading = "Stands")]
+    models: bool,
     /// Trees of a forest of species, 1 to 10000 [default: 25]
     #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = number(1..=10_000_usize, "trees"), help_heading = "Forests of species")]
     trees: Option<usize>,
@@ -103,97 +107,12 @@ pub(crate) fn run(options: &Options, common: &Common) -> Result<(), Failure> {
 }
 
 impl Options {
-    fn stand<E: Environment + Clone>(&self, stand: &Stand<E>, common: &Common) -> Result<(), Failure> {
-        let mut outputs = self.out.outputs()?;
-        let seasons = self.seasons.unwrap_or(stand.seasons);
-        let seed = self.seed.unwrap_or(stand.seed);
-        let bar = Bar::new(common.quiet);
-        let rounds = if self.animation { 2 } else { 1 };
-        bar.parts(stand.name, u64::from(seasons) * 4 * rounds);
-        let grow = |forest: &mut Forest<E>, from: u64| -> Result<(), Failure> {
-            let watch = |progress: Progress| {
-                if let Work::Season { .. } = progress.work {
-                    bar.done(from + (progress.fraction * 4.0) as u64);
-                }
-                ControlFlow::Continue(())
-            };
-            forest.grow_observed(1, &watch)?;
-            stand.tend(forest)?;
-            bar.message(format!("{} trees, {} metamers", forest.trees().len(), forest.metamers()));
-            Ok(())
-        };
-        let planted = stand.plant(seed)?.with_most_metamers(self.metamers.unwrap_or(300_000));
-        let mut forest = planted.clone();
-        for season in 0..u64::from(seasons) {
-            grow(&mut forest, season * 4)?;
-        }
-        let looks = look(stand, &forest, 8)?;
-        let bounds = looks.iter().filter_map(|look| look.mesh.bounds()).reduce(Bounds::union);
-        let bounds = bounds.ok_or_else(|| format!("nothing has sprouted after --seasons {seasons}"))?;
-        let parts: Vec<Vec<Part<'_>>> = looks.iter().map(|look| look.parts().collect()).collect();
-        let ground = stand.ground(bounds);
-        let earth = Material::bark().with_srgb([150, 142, 120]);
-        let under =
-            ground.as_ref().map(|mesh| vec![Part::new(mesh).with_name("ground").with_material(earth)]);
-        let scene = parts
-            .iter()
-            .chain(&under)
-            .fold(Scene::default(), |scene, parts| scene.with_asset("tree", parts, Transform::default()));
-        let name = self.out.name.clone().unwrap_or_else(|| stem(stand.name));
-        let mut files = self.out.scene(&mut outputs, &name, &scene)?;
-        if self.animation {
-            // Grown twice, for the pictures of the seasons are framed as the last one is: to keep all seasons' trees would
-            // take gigabytes.
-            let side = self.out.size.min(480);
-            // From higher up than a slope is steep.
-            let camera =
-                if ground.is_some() { Camera::default().with_elevation(0.6) } else { Camera::default() };
-            let camera = camera.with_frame(bounds);
-            let preview = Preview::default().with_camera(camera).with_size(side, side);
-            let preview = if ground.is_some() { preview } else { preview.with_ground_height(0.0) };
-            let (mut again, mut frames) = (planted, Vec::new());
-            for season in 0..u64::from(seasons) {
-                grow(&mut again, (u64::from(seasons) + season) * 4)?;
-                // Half of the detail will do for the small pictures of the animation.
-                let looks = look(stand, &again, 4)?;
-                if !looks.is_empty() {
-                    let parts = looks.iter().flat_map(Look::parts).chain(under.iter().flatten().copied());
-                    frames.push(preview.draw_parts(&parts.collect::<Vec<_>>())?);
-                }
-            }
-            let path = outputs.path(&format!("{name}.apng"));
-            write_animation(&mut outputs, &path, &frames, 250)?;
-            files.push(path);
-        }
-        outputs.finish()?;
-        let milliseconds = bar.finish();
-        let value = json!({
-            "name": stand.name,
-            "seed": seed,
-            "seasons": forest.season(),
-            "trees": forest.trees().len(),
-            "metamers": forest.metamers(),
-            "files": files,
-            "milliseconds": milliseconds,
-        });
-        report::tell(common, &value, || {
-            let files: Vec<String> = files.iter().map(|file| file.display().to_string()).collect();
-            format!(
-                "{}, seed {seed}: {} seasons, {} trees, {} metamers, {milliseconds:.0} ms\n{}",
-                stand.name,
-                forest.season(),
-                forest.trees().len(),
-                forest.metamers(),
-                files.join("\n"),
-            )
-        })
-    }
-
     fn species(&self, species: &[&'static Species], common: &Common) -> Result<(), Failure> {
         let others = [
             ("--seasons", self.seasons.is_some()),
             ("--metamers", self.metamers.is_some()),
             ("--animation", self.animation),
+            ("--models", self.models),
             ("--surface closed", self.clothes.surface == crate::clothe::Surface::Closed),
             ("--detail", self.clothes.detail.is_some()),
             ("--wind", self.clothes.wind),
@@ -292,31 +211,6 @@ fn places(count: usize, spacing: f32, seed: u64) -> Vec<(Vec3, f32)> {
             let (sin, cos) = math::sin_cos((number as f32 * 2.399_963_1) % std::f32::consts::TAU);
             let off = Vec3::new(draw(number, 0) - 0.5, 0.0, draw(number, 1) - 0.5) * (0.2 * spacing);
             (Vec3::new(radius * cos, 0.0, radius * sin) + off, draw(number, 2))
-        })
-        .collect()
-}
-
-/// A tree to be drawn and written.
-struct Look {
-    mesh: Mesh,
-    leaves: Option<Leaves>,
-}
-
-impl Look {
-    fn parts(&self) -> impl Iterator<Item = Part<'_>> {
-        [Part::new(&self.mesh)].into_iter().chain(self.leaves.as_ref().map(Leaves::part))
-    }
-}
-
-/// The trees that are more than seeds, in summer.
-fn look<E: Environment>(stand: &Stand<E>, forest: &Forest<E>, sides: u32) -> Result<Vec<Look>, Failure> {
-    let tubes = Tubes::default().with_sides(sides);
-    let skeletons = forest.skeletons()?;
-    let sprouted = forest.trees().iter().zip(&skeletons).filter(|(_, skeleton)| skeleton.len() > 1);
-    sprouted
-        .map(|(tree, skeleton)| {
-            let leaves = stand.leaves(tree, skeleton, Season::Summer)?;
-            Ok(Look { mesh: tubes.mesh(skeleton)?, leaves })
         })
         .collect()
 }

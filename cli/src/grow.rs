@@ -10,11 +10,12 @@ use crate::write::{Out, Tree};
 use crate::{Failure, report};
 use clap::{Args, ValueEnum};
 use serde_json::{Value, json};
+use std::collections::BTreeMap;
 use std::path::PathBuf;
 use treesynth::guided::Search;
 use treesynth::presets::{self, Found, Preset, Season, TYPICAL_NODES};
 use treesynth::species::Species;
-use treesynth::surface::Material;
+use treesynth::surface::{Material, Part};
 use treesynth::{Metrics, Skeleton};
 
 /// Grow one tree, of a species or a preset of the guided system
@@ -77,7 +78,7 @@ enum Plan<'a> {
 struct Grown {
     name: String,
     seed: u64,
-    /// The skeleton as it was grown, and that of the surface.
+    /// That of the surface.
     skeleton: Skeleton,
     model: Model,
     bark: Material,
@@ -110,6 +111,7 @@ pub(crate) fn run(options: &Options, common: &Common) -> Result<(), Failure> {
         "seed": tree.seed,
         "numbers": tree.numbers,
         "triangles": triangles(&levels),
+        "parts": levels.first().map_or(json!({}), |parts| counts(parts)),
         "metrics": serde_json::to_value(&metrics)?,
         "files": files,
         "milliseconds": milliseconds,
@@ -127,6 +129,20 @@ pub(crate) fn run(options: &Options, common: &Common) -> Result<(), Failure> {
             files.join("\n"),
         )
     })
+}
+
+/// Copies, vertices and triangles of a level's parts; several of one name are counted together.
+fn counts(parts: &[Part<'_>]) -> Value {
+    let mut counts: BTreeMap<&str, [u64; 3]> = BTreeMap::new();
+    for part in parts {
+        let more = [part.copies().len() as u64, part.vertices(), part.triangles()];
+        let sums = counts.entry(part.name()).or_default();
+        *sums = std::array::from_fn(|i| sums[i] + more[i]);
+    }
+    let entry = |(name, [copies, vertices, triangles]): (&str, [u64; 3])| {
+        (name.to_owned(), json!({ "copies": copies, "vertices": vertices, "triangles": triangles }))
+    };
+    Value::Object(counts.into_iter().map(entry).collect())
 }
 
 impl Options {
@@ -213,10 +229,11 @@ impl Options {
             Model::none()
         };
         let leaves = leaves.map_or(0, |leaves| leaves.instances.len());
+        let refined = if synth.refines() { " before refinement" } else { "" };
         let text = format!(
-            "{} nodes, {endpoints} endpoints, {} internodes, {leaves} leaves",
+            "{} nodes{refined}, {endpoints} endpoints, {} internodes, {leaves} leaves",
             graph.nodes(),
-            growth.skeleton.segments(),
+            relaxed.segments(),
         );
         let numbers = json!({
             "nodes": graph.nodes(),
@@ -225,6 +242,6 @@ impl Options {
             "leaves": leaves,
         });
         let (name, bark) = (preset.name.to_owned(), preset.bark());
-        Ok(Grown { name, seed, skeleton: growth.skeleton, model, bark, numbers, text })
+        Ok(Grown { name, seed, skeleton: relaxed, model, bark, numbers, text })
     }
 }

@@ -11,10 +11,12 @@ use crate::{Failure, report};
 use clap::Args;
 use serde_json::json;
 use std::path::{Path, PathBuf};
+use treesynth::glam::Vec2;
 use treesynth::presets::{self, Found};
+use treesynth::preview::{Picture, PreviewError};
 use treesynth::shape::{Import, MeshFormat, Outline, Sketch};
 use treesynth::surface::Material;
-use treesynth::variational::{GuidanceShape, Level, VariationalSynth};
+use treesynth::variational::{GuidanceShape, Level, Step, StepKind, VariationalSynth};
 use treesynth::{Metrics, ParameterError, Shape};
 
 /// Grow a tree that fills a mesh, an SVG drawing or a preset's shape
@@ -24,7 +26,7 @@ Examples:
   treesynth shape bunny.obj --height 3 --nodes 8000
   treesynth shape heart.svg --out trees
   treesynth shape statue.stl --up-in z --seed 5 --format glb,png,swc
-  treesynth shape variational-14-oak")]
+  treesynth shape variational-14-oak --energy")]
 pub(crate) struct Options {
     /// An .obj, .stl, .ply, .glb or .gltf file; an .svg file, of which the first shape is the crown's silhouette from the
     /// front and a second that from the side; or a name of `treesynth list shapes`
@@ -42,6 +44,9 @@ pub(crate) struct Options {
     /// Seed, 0 to 18446744073709551615 [default: 1, or the preset's]
     #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = number(0..=u64::MAX, ""))]
     seed: Option<u64>,
+    /// Write NAME.energy.png too, the energy of each step
+    #[arg(long)]
+    energy: bool,
     #[command(flatten, next_help_heading = "Model")]
     clothes: Clothes,
     #[command(flatten, next_help_heading = "Files")]
@@ -77,7 +82,13 @@ pub(crate) fn run(options: &Options, common: &Common) -> Result<(), Failure> {
     bar.step("writing files");
     let name = options.out.name.clone().unwrap_or(name);
     let tree = Tree { levels: &levels, coverages: &coverages, skeleton: &growth.skeleton, bark };
-    let files = options.out.tree(&mut outputs, &name, &tree)?;
+    let mut files = options.out.tree(&mut outputs, &name, &tree)?;
+    if options.energy {
+        let picture = plot(&growth.trace, options.out.size)?;
+        let path = outputs.path(&format!("{name}.energy.png"));
+        outputs.write(&path, |writer| Ok(picture.write_png(writer)?))?;
+        files.push(path);
+    }
     outputs.finish()?;
     let milliseconds = bar.finish();
     let value = json!({
@@ -179,4 +190,30 @@ fn filled(shape: &dyn Shape, nodes: usize) -> Result<VariationalSynth, Failure> 
     let shape = surface.joined(&GuidanceShape::in_volume(shape, nodes - nodes / 2, 1)?);
     let axis = Level::default().with_apical_control(0.9);
     Ok(VariationalSynth::new(shape).with_levels([axis.with_metamers(7), axis, axis, axis]))
+}
+
+/// F over the steps, as in figure 10: red where a level begins, brown where branches were pruned.
+fn plot(trace: &[Step], size: u32) -> Result<Picture, PreviewError> {
+    let mut picture = Picture::new(size, size / 2, [255, 255, 255])?;
+    let (least, most) = trace
+        .iter()
+        .fold((f64::MAX, 0.0_f64), |(least, most), step| (least.min(step.total), most.max(step.total)));
+    let (width, height) = (size as f32 - 80.0, (size / 2) as f32 - 40.0);
+    let at = |number: usize| {
+        let up = ((trace[number].total - least) / (most - least).max(f64::MIN_POSITIVE)) as f32;
+        Vec2::new(60.0 + width * number as f32 / trace.len().max(2) as f32, 20.0 + height * (1.0 - up))
+    };
+    for number in 1..trace.len() {
+        picture.line(at(number - 1), at(number), 1.5, [60, 60, 60]);
+    }
+    for (number, step) in trace.iter().enumerate() {
+        match step.kind {
+            StepKind::Initialization { .. } => picture.disc(at(number), 4.0, [200, 40, 40]),
+            StepKind::Refinement { .. } => picture.disc(at(number), 4.0, [140, 90, 40]),
+            _ => picture.disc(at(number), 2.5, [60, 60, 60]),
+        }
+    }
+    picture.label(&format!("{most:.0}"), 4, 16, 1, [60, 60, 60]);
+    picture.label(&format!("{least:.0}"), 4, (size / 2).cast_signed() - 26, 1, [60, 60, 60]);
+    Ok(picture)
 }

@@ -98,6 +98,12 @@ fn the_same_command_gives_the_same_bytes_on_any_number_of_threads() {
         ];
         world.run(&[&["grow", "figure-06c"], &arguments[..]].concat()).ok();
     }
+    // Nodes before refinement, and what is in the model, part by part.
+    let report = world.run(&["grow", "fine-oak", "--nodes", "3000", "--format", "obj", "--json"]).json();
+    let parts = report["parts"].as_object().unwrap();
+    let sum: u64 = parts.values().map(|part| part["triangles"].as_u64().unwrap()).sum();
+    assert_eq!(report["triangles"][0], sum);
+    assert!(parts.contains_key("bark") && parts.contains_key("cards"), "{parts:?}");
     for file in ["figure-06c.glb", "figure-06c.json"] {
         assert!(world.read(&format!("a/{file}")) == world.read(&format!("b/{file}")), "{file}");
     }
@@ -127,8 +133,20 @@ fn shapes_are_filled_from_meshes_drawings_and_presets() {
         [("CUBE.OBJ", "cube"), ("heart.svg", "heart"), ("variational-14-oak", "variational-14-oak")]
     {
         let report = world
-            .run(&["shape", shape, "--nodes", "60", "--format", "glb,json", "--textures", "none", "--json"])
+            .run(&[
+                "shape",
+                shape,
+                "--nodes",
+                "60",
+                "--format",
+                "glb,json",
+                "--textures",
+                "none",
+                "--energy",
+                "--json",
+            ])
             .json();
+        assert!(world.read(&format!("out/{file}.energy.png")).starts_with(b"\x89PNG"));
         assert!(report["internodes"].as_u64().unwrap() > 60, "{report}");
         assert!(world.read(&format!("out/{file}.glb")).starts_with(b"glTF"));
     }
@@ -143,10 +161,30 @@ fn shapes_are_filled_from_meshes_drawings_and_presets() {
 fn stands_and_forests_of_species_grow() {
     let world = World::new();
     let stand = world
-        .run(&["forest", "stand-shyness", "--seasons", "4", "--size", "64", "--animation", "--json"])
+        .run(&[
+            "forest",
+            "stand-shyness",
+            "--seasons",
+            "4",
+            "--size",
+            "64",
+            "--animation",
+            "--models",
+            "--json",
+        ])
         .json();
     assert_eq!((stand["seasons"].as_u64(), stand["trees"].as_u64()), (Some(4), Some(9)));
-    assert!(world.files().contains(&"out/stand-shyness.apng".to_owned()));
+    // The last season's files are those of the stand.
+    assert!(world.read("out/stand-shyness/004.png") == world.read("out/stand-shyness.png"));
+    assert!(world.read("out/stand-shyness/004.glb").starts_with(b"glTF"));
+    let pictures = |file: &str| {
+        let bytes = world.read(file);
+        bytes.windows(4).filter(|chunk| chunk == b"fcTL").count()
+    };
+    assert_eq!(pictures("out/stand-shyness.apng"), 4);
+    let film = ["--seasons", "4", "--size", "64", "--animation", "--frames", "3", "--name", "film"];
+    world.run(&[&["forest", "stand-shyness", "--format", "png"], &film[..]].concat()).ok();
+    assert_eq!(pictures("out/film.apng"), 12);
     let forest = world
         .run(&[
             "forest",
@@ -202,6 +240,14 @@ fn trees_grow_over_the_years() {
     for file in [".glb", ".png", ".json", ".apng", "-sheet.png"] {
         assert!(!world.read(&format!("out/growth-15-cottonwood{file}")).is_empty(), "{file}");
     }
+    let span = ["--from", "2.6", "--to", "4.6", "--frames", "3", "--stills", "--no-sheet", "--size", "64"];
+    for (name, look) in [("tubes", None), ("skin", Some("--skin"))] {
+        let options = [&["years", "cottonwood", "--format", "json", "--name", name], &span[..]].concat();
+        world.run(&options.into_iter().chain(look).collect::<Vec<_>>()).ok();
+        assert!(world.read(&format!("out/{name}/0002.png")).starts_with(b"\x89PNG"));
+    }
+    assert!(world.read("out/tubes/0002.png") != world.read("out/skin/0002.png"));
+    world.has_no_remains();
 }
 
 #[test]

@@ -1,4 +1,4 @@
-//! Pictures: one tree, and all species at one scale.
+//! All species at one scale.
 
 use crate::common::Failure;
 use rayon::prelude::*;
@@ -17,11 +17,6 @@ const SCALE: f32 = 16.0;
 const LABEL: u32 = 22;
 /// Trees in a row, each bare and in leaf.
 const ROW: usize = 5;
-
-pub(crate) fn portrait(parts: &[Part<'_>]) -> Result<Picture, Failure> {
-    let camera = Camera::default().with_elevation(0.05);
-    Ok(Preview::default().with_size(1000, 1000).with_camera(camera).draw_parts(parts)?)
-}
 
 /// Somebody of 1.8 m, as a row of tubes.
 fn person() -> Result<Mesh, Failure> {

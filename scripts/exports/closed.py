@@ -1,5 +1,5 @@
 """trimesh takes the closed surface of each tree named (NAME.ply) for one solid, of the volume of the skeleton
-(NAME.relaxed.json).
+(NAME.json).
 
 The skeleton's volume is that of the union of its cones, each with a ball at its ends: the volumes of all, each point counted
 once however many it lies in, by random points (Monte Carlo).
@@ -73,7 +73,7 @@ for path in map(Path, sys.argv[1:]):
     euler = mesh.euler_number
     assert euler % 2 == 0 and euler <= 2, f"{path}: Euler characteristic {euler}"
     whole += euler == 2
-    volume, expected = mesh.volume, union(path.with_suffix(".relaxed.json"))
+    volume, expected = mesh.volume, union(path.with_suffix(".json"))
     ratio = volume / expected
     print(f"{path.stem}: {len(mesh.faces)} triangles, Euler characteristic {euler}, "
           f"{volume:.5f} m³, the skeleton's {expected:.5f}, ratio {ratio:.3f}")

@@ -17,7 +17,7 @@ def faces(path):
 def check(stats):
     figures = json.loads(stats.read_text())
     parts = figures["parts"]
-    name = figures["preset"]
+    name = figures["name"]
     triangles = sum(part["triangles"] for part in parts.values())
     vertices = sum(part["vertices"] for part in parts.values())
     loaded = {}
@@ -31,7 +31,8 @@ def check(stats):
     assert len(ply.vertices) == vertices, f"{name}.ply: {len(ply.vertices)} vertices of {vertices}"
     drawing = xml.parse(stats.with_name(f"{name}.svg")).getroot()
     paths = len(drawing.findall(".//{http://www.w3.org/2000/svg}path"))
-    assert paths == figures["segments"], f"{name}.svg: {paths} lines of {figures['segments']}"
+    internodes = figures["metrics"]["nodes"] - 1
+    assert paths == internodes, f"{name}.svg: {paths} lines of {internodes}"
     return triangles
 
 

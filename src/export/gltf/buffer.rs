@@ -5,7 +5,7 @@ use super::text::{list, numbers};
 use super::wind::WindEncoding;
 use crate::export::ExportError;
 use crate::surface::{Instance, Mesh};
-use glam::Vec3;
+use glam::{Vec2, Vec3};
 
 /// The highest index of two bytes is 65,534: the next one means a new strip.
 const SHORT: usize = 65_535;
@@ -97,7 +97,7 @@ impl<'a> Buffer<'a> {
         });
         let grid = if rounded { Grid::over(low, high) } else { None };
         let tinted = copies.is_some_and(|copies| copies.iter().any(Instance::is_tinted));
-        let within = |uv: &glam::Vec2| (0.0..=1.0).contains(&uv.x) && (0.0..=1.0).contains(&uv.y);
+        let within = |uv: Vec2| (0.0..=1.0).contains(&uv.x) && (0.0..=1.0).contains(&uv.y);
         let mut primitives: Vec<_> =
             (0..blocks).map(|_| Primitive { attributes: Vec::new(), indices: 0 }).collect();
         for attribute in Attribute::all(mesh, wind) {
@@ -105,7 +105,7 @@ impl<'a> Buffer<'a> {
                 continue;
             }
             let rounded = match attribute {
-                Attribute::Uv => rounded && mesh.uvs.iter().all(within),
+                Attribute::Uv => mesh.uvs.iter().all(|&uv| if rounded { within(uv) } else { in_shorts(uv) }),
                 Attribute::Color => rounded || tinted || mesh.colors.iter().all(in_bytes),
                 _ => rounded,
             };
@@ -184,6 +184,14 @@ fn in_bytes(color: &[f32; 3]) -> bool {
     color.iter().all(|channel| {
         let steps = (channel.clamp(0.0, 1.0) * 255.0).round();
         (steps / 255.0).to_bits() == channel.to_bits()
+    })
+}
+
+/// `true` if 16 bits per coordinate hold a texture coordinate exactly.
+fn in_shorts(uv: Vec2) -> bool {
+    uv.to_array().into_iter().all(|x| {
+        let steps = (x.clamp(0.0, 1.0) * 65_535.0).round();
+        (steps / 65_535.0).to_bits() == x.to_bits()
     })
 }
 

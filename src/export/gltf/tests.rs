@@ -37,6 +37,27 @@ fn written(mesh: &Mesh, options: &GlbOptions) -> Vec<u8> {
 }
 
 #[test]
+fn texture_coordinates_that_16_bits_hold_have_16_bits() {
+    let corners = vec![Vec3::ZERO, Vec3::X, Vec3::Y];
+    let triangle = Mesh::new(corners, vec![Vec3::Z; 3], vec![0, 1, 2]);
+    let shorts = [[0.0, 1.0], [1.0, 0.0], [13_107.0 / 65_535.0, 7.0 / 65_535.0]];
+    for (uv, component) in [(shorts[2], 5123), ([0.3, 0.5], 5126), ([0.0, 1.5], 5126), ([-1.0, 0.0], 5126)] {
+        let uvs = [shorts[0], shorts[1], uv].map(Vec2::from_array).to_vec();
+        let glb = written(&triangle.clone().with_uvs(uvs), &GlbOptions::default());
+        let (json, buffer) = read(&glb);
+        let accessor = &json["accessors"][2];
+        assert_eq!(accessor["componentType"], component, "{uv:?}");
+        assert!(json["extensionsRequired"].is_null());
+        if component == 5123 {
+            assert_eq!(accessor["normalized"], true);
+            let start = json["bufferViews"][2]["byteOffset"].as_u64().expect("a number") as usize;
+            let read = |at: usize| u16::from_le_bytes([buffer[start + at], buffer[start + at + 1]]);
+            assert_eq!([0, 2, 4, 6, 8, 10].map(read), [0, 65_535, 65_535, 0, 13_107, 7]);
+        }
+    }
+}
+
+#[test]
 fn everything_comes_back() {
     let mesh = tree();
     let glb = written(&mesh, &GlbOptions::default());
