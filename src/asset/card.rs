@@ -8,7 +8,7 @@ use super::twig::{self, Wood};
 use crate::observer::{Cancelled, Watch};
 use crate::surface::{Instance, Material, Mesh};
 use crate::{Skeleton, math, parallel};
-use glam::{Mat3, Quat, Vec2, Vec3};
+use glam::{Mat3, Quat, Vec2, Vec3, Vec4};
 use std::f32::consts::FRAC_1_SQRT_2;
 
 /// Triangles of one card: two quads.
@@ -156,7 +156,7 @@ impl Source<'_> {
                 let bent = if quad == 0 { Vec3::Z * bend.at(at) } else { Vec3::ZERO };
                 mesh.positions.push(origin + flat + bent);
                 mesh.normals.push(toward);
-                // No tangents: on a rectangle every reader works out the same ones, and they would be a third of a card's bytes.
+                mesh.tangents.push(Vec4::from((right, 1.0)));
                 let uv = Vec2::new(u + across * (0.5 + 0.5 * sx), v + down * (0.5 - 0.5 * sy));
                 // Files hold these whole in 16 bits.
                 mesh.uvs.push((uv * 65_535.0).round() / 65_535.0);

@@ -1,7 +1,7 @@
 //! Images as a rasterizer reads them.
 
 use crate::math;
-use crate::surface::{Mesh, tangent_by_uvs};
+use crate::surface::Mesh;
 use crate::texture::{self, Image, Textures};
 use glam::{Vec2, Vec3, Vec4};
 
@@ -21,7 +21,7 @@ pub(super) struct Texel {
     pub(super) color: [f32; 3],
     /// Normal in tangent space.
     pub(super) normal: Vec3,
-    /// The tangent at the triangle's first corner, or by its texture coordinates, if there is a normal map.
+    /// The tangent at the triangle's first corner, if there is a normal map.
     pub(super) tangent: Option<Vec4>,
 }
 
@@ -48,14 +48,7 @@ impl Skin {
     /// The skin on a triangle; `area` is twice the triangle's area in the picture, in points.
     pub(super) fn on(&self, mesh: &Mesh, triangle: [u32; 3], area: f32) -> SkinOn<'_> {
         let uvs = triangle.map(|corner| mesh.uvs.get(corner as usize).copied().unwrap_or_default());
-        let tangent = match mesh.tangents.get(triangle[0] as usize) {
-            _ if self.normal.is_empty() => None,
-            Some(&tangent) => Some(tangent),
-            None => {
-                let points = triangle.map(|corner| mesh.positions[corner as usize]);
-                tangent_by_uvs(points, uvs, mesh.normals[triangle[0] as usize])
-            }
-        };
+        let tangent = mesh.tangents.get(triangle[0] as usize).copied().filter(|_| !self.normal.is_empty());
         let size = self
             .color
             .first()

@@ -1,7 +1,7 @@
 //! A part with all its copies in their places.
 
 use super::wear::{Cut, Wear};
-use crate::surface::{Instance, Part, tangent_by_uvs};
+use crate::surface::{Instance, Part};
 use crate::texture::Textures;
 use glam::{Vec2, Vec3, Vec4};
 use std::borrow::Cow;
@@ -98,9 +98,22 @@ impl<'a> Placed<'a> {
     pub(super) fn tangent(&self, corners: [u32; 3], weights: [f32; 3], normal: Vec3) -> Option<Vec4> {
         let mesh = self.part.mesh();
         let vertices = mesh.positions.len();
+        let across = |tangent: Vec3, sign: f32| {
+            let across = (tangent - normal * tangent.dot(normal)).try_normalize()?;
+            Some(across.extend(sign))
+        };
         if mesh.tangents.is_empty() {
-            let points = corners.map(|corner| self.positions[corner as usize]);
-            return tangent_by_uvs(points, self.uvs(corners), normal);
+            let [a, b, c] = corners.map(|corner| self.positions[corner as usize]);
+            let [p, q, r] = self.uvs(corners);
+            let (first, second, along, beside) = (b - a, c - a, q - p, r - p);
+            let turn = along.perp_dot(beside);
+            if turn == 0.0 {
+                return None;
+            }
+            let tangent = (first * beside.y - second * along.y) / turn;
+            let down = (second * along.x - first * beside.x) / turn;
+            let sign = if normal.cross(tangent).dot(down) < 0.0 { 1.0 } else { -1.0 };
+            return across(tangent, sign);
         }
         let own = corners.map(|corner| mesh.tangents[corner as usize % vertices]);
         let sum =
@@ -109,8 +122,7 @@ impl<'a> Placed<'a> {
             None => sum,
             Some(copies) => copies[corners[0] as usize / vertices].rotation_matrix() * sum,
         };
-        let across = (turned - normal * turned.dot(normal)).try_normalize()?;
-        Some(across.extend(own[0].w))
+        across(turned, own[0].w)
     }
 
     /// The colour of a triangle at a point with these weights of its corners.

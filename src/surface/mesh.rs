@@ -305,20 +305,6 @@ pub(super) fn has_area([a, b, c]: [Vec3; 3]) -> bool {
     (b - a).cross(c - a).length_squared() > 0.0
 }
 
-/// The tangent of a triangle as its texture coordinates give it, across `normal`, with the sign of glTF; none if they cover no area.
-#[cfg(feature = "texture")]
-pub(crate) fn tangent_by_uvs([a, b, c]: [Vec3; 3], [p, q, r]: [Vec2; 3], normal: Vec3) -> Option<Vec4> {
-    let (first, second, along, beside) = (b - a, c - a, q - p, r - p);
-    let turn = along.perp_dot(beside);
-    if turn == 0.0 {
-        return None;
-    }
-    let tangent = (first * beside.y - second * along.y) / turn;
-    let down = (second * along.x - first * beside.x) / turn;
-    let sign = if normal.cross(tangent).dot(down) < 0.0 { 1.0 } else { -1.0 };
-    Some((tangent - normal * tangent.dot(normal)).try_normalize()?.extend(sign))
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;

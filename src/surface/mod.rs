@@ -57,8 +57,6 @@ pub(crate) use implicit::{solid, span};
 pub use level::{Level, Levels};
 pub use mask::Mask;
 pub use material::Material;
-#[cfg(feature = "texture")]
-pub(crate) use mesh::tangent_by_uvs;
 pub use mesh::{Mesh, MeshError};
 pub use part::{Instance, Part};
 pub(crate) use rig::Rig;
