@@ -52,6 +52,7 @@ impl Leaves {
     ///
     /// # Panics
     /// When a leaf's node is not in the skeleton of the sway.
+    #[must_use]
     pub fn blown(&self, sway: &Sway, time: f32, gust: Vec3) -> Self {
         let mut leaves = self.clone();
         let Some(air) = Air::new(time, gust) else { return leaves };

@@ -129,7 +129,7 @@ impl Mask {
         self
     }
 
-    /// The mask where a surface at `position` faces towards `normal`, 0 to 1.
+    /// The mask where a surface at `position` faces towards `normal`, 0 to 1; 0 where options out of their ranges give no number.
     pub fn at(&self, position: Vec3, normal: Vec3) -> f32 {
         let [from, to] = self.facing;
         let facing = ((normal.dot(self.direction) - from) / (to - from).max(1e-6)).clamp(0.0, 1.0);
@@ -143,7 +143,8 @@ impl Mask {
         let turned =
             Vec3::new(0.36 * x + 0.48 * y - 0.8 * z, -0.8 * x + 0.6 * y, 0.48 * x + 0.64 * y + 0.6 * z);
         let noise = self.noise(turned, 0) + 0.5 * self.noise(turned.zxy() * 2.3, 1);
-        (facing * height + self.spread * noise * (1.0 / 1.5)).clamp(0.0, 1.0)
+        let value = facing * height + self.spread * noise * (1.0 / 1.5);
+        if value.is_nan() { 0.0 } else { value.clamp(0.0, 1.0) }
     }
 
     /// The mask at all vertices of a mesh, 0 to 1. O(vertices).
@@ -400,6 +401,17 @@ mod tests {
 
     fn masks() -> [(&'static str, Mask); 4] {
         [("snow", Mask::snow()), ("moss", Mask::moss()), ("lichen", Mask::lichen()), ("rain", Mask::rain())]
+    }
+
+    #[test]
+    fn there_is_no_place_without_a_number() {
+        for [size, spread] in
+            [[0.0, 1.0], [f32::NAN, 1.0], [f32::INFINITY, 0.0], [1.0, f32::NAN], [-0.0, f32::MAX]]
+        {
+            let mask = Mask::snow().with_patches(size, spread).with_heights(Some([f32::NAN, size]));
+            let value = mask.at(Vec3::new(0.0, 1.0, 1e30), Vec3::Y);
+            assert!((0.0..=1.0).contains(&value), "{size} {spread}: {value}");
+        }
     }
 
     #[test]

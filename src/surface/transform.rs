@@ -50,6 +50,7 @@ impl Transform {
     }
 
     /// First `inner`, then this one. The same bits on every platform.
+    #[must_use]
     pub fn after(&self, inner: &Self) -> Self {
         if inner.is_identity() {
             return *self;

@@ -156,6 +156,7 @@ impl Air {
 impl Mesh {
     /// The mesh as the wind has moved it: each position is [blown](Wind::blown), and all else, the normals too, is as it
     /// was. A mesh without [`wind`](Self::wind) stays as it is. O(vertices).
+    #[must_use]
     pub fn blown(&self, time: f32, gust: Vec3) -> Self {
         let mut mesh = self.clone();
         for (position, wind) in mesh.positions.iter_mut().zip(&self.wind) {

@@ -17,6 +17,10 @@ const MARGIN: f32 = 0.53;
 const MANY: usize = 512;
 /// Cubes that one thread takes at a time.
 const GROUP: usize = 8;
+/// Cubes that are split for each block at most, and so many more: the rest of what is thin beside what is thick is empty, but
+/// only the finest cubes show it.
+const SPLIT_PER_BLOCK: usize = 8;
+const SPLIT: usize = 100_000;
 
 /// Lattice of the voxels.
 #[derive(Debug, Clone, Copy)]
@@ -60,9 +64,23 @@ struct Setting<'a, S> {
     /// `true` if a cube's descendants are examined together with it.
     deep: bool,
     watch: &'a Watch<'a>,
+    count: &'a Count,
+}
+
+/// How much there is of all threads, so that any of them notices when it is too much.
+struct Count {
     /// The greatest number of blocks, and how many there are.
     most: usize,
-    count: &'a AtomicUsize,
+    blocks: AtomicUsize,
+    /// Cubes that were split.
+    split: AtomicUsize,
+}
+
+impl Count {
+    fn is_full(&self) -> bool {
+        let most_split = self.most.saturating_mul(SPLIT_PER_BLOCK).saturating_add(SPLIT);
+        self.blocks.load(Ordering::Relaxed) > self.most || self.split.load(Ordering::Relaxed) > most_split
+    }
 }
 
 /// Result of one look at a cube.
@@ -75,7 +93,7 @@ enum Look<P> {
 
 impl<P: Part> Bricks<P> {
     /// Splits cubes until they are empty or fine enough; returns those that were split, or nothing if that
-    /// makes more than `most` blocks in all.
+    /// makes more than `most` blocks in all, or splits many more cubes than that.
     pub(super) fn grow(
         &mut self,
         solid: &impl Solid<Part = P>,
@@ -86,15 +104,18 @@ impl<P: Part> Bricks<P> {
         watch: &Watch<'_>,
     ) -> Result<Option<Vec<(IVec3, u8)>>, Cancelled> {
         let mut split = Vec::new();
-        // The sum over all threads, so that any of them notices when there are too many.
-        let count = AtomicUsize::new(self.leaves.len() + self.crowd);
+        let count = Count {
+            most,
+            blocks: AtomicUsize::new(self.leaves.len() + self.crowd),
+            split: AtomicUsize::new(self.nodes.len() / 8),
+        };
         while !cubes.is_empty() {
             let deep = cubes.len() >= MANY;
             let grown = parallel::map(cubes.len().div_ceil(GROUP), |group| {
                 let mut grown = Grown::default();
                 for cube in &cubes[group * GROUP..cubes.len().min((group + 1) * GROUP)] {
-                    if count.load(Ordering::Relaxed) <= most && watch.goes_on() {
-                        let setting = Setting { solid, deep, watch, most, count: &count };
+                    if !count.is_full() && watch.goes_on() {
+                        let setting = Setting { solid, deep, watch, count: &count };
                         let root = self.grid.below(&setting, cube, of.get(cube.of), &mut grown);
                         grown.roots.push((cube.node, root));
                     }
@@ -103,7 +124,7 @@ impl<P: Part> Bricks<P> {
             });
             (cubes, of) = (Vec::new(), Vec::new());
             watch.pass(0)?;
-            if count.load(Ordering::Relaxed) > most {
+            if count.is_full() {
                 return Ok(None);
             }
             for grown in grown {
@@ -152,7 +173,7 @@ impl Grid {
         grown: &mut Grown<P>,
     ) -> Packed {
         let &Cube { corner, level, .. } = cube;
-        if !setting.watch.steps(1) || setting.count.load(Ordering::Relaxed) > setting.most {
+        if !setting.watch.steps(1) || setting.count.is_full() {
             return Node::Empty(false).into();
         }
         let node = match self.look(setting.solid, cube, of) {
@@ -160,7 +181,7 @@ impl Grid {
             Look::Brick(part) => {
                 let crowd = part.count() / CROWD;
                 grown.crowd += crowd;
-                setting.count.fetch_add(1 + crowd, Ordering::Relaxed);
+                setting.count.blocks.fetch_add(1 + crowd, Ordering::Relaxed);
                 grown.leaves.push(Brick { corner, level, inside: 0 });
                 grown.parts.push(part);
                 Node::Brick(grown.leaves.len() as u32 - 1)
@@ -169,6 +190,7 @@ impl Grid {
                 let first = grown.nodes.len() as u32;
                 grown.nodes.extend([Packed::from(Node::Empty(false)); 8]);
                 grown.split.push((corner, level));
+                setting.count.split.fetch_add(1, Ordering::Relaxed);
                 let children = cube.children(first, grown.of.len());
                 if setting.deep {
                     for cube in children {

@@ -290,6 +290,16 @@ fn faults_are_named() {
     }
     let few = Implicit::default().with_most_blocks(10).with_voxel(0.001).with_detail(64.0);
     assert!(matches!(few.mesh(&pole), Err(SurfaceError::TooManyBlocks { most: 10, .. })));
+    // Nothing but empty cubes around what is thin beside what is thick: fuzzing found it to go on for minutes.
+    let tiny = Vec3::splat(1e-20);
+    let far = Vec3::new(f32::EPSILON, std::f32::consts::PI, 0.984_375);
+    let near = Vec3::new(0.984_375, f32::EPSILON, 1e-20);
+    let places = vec![far, Vec3::Z * f32::EPSILON, near, tiny, tiny];
+    let parents = vec![None, Some(0), Some(1), Some(2), Some(3)];
+    let uneven = Skeleton::new(places, parents)
+        .and_then(|tree| tree.with_radii(vec![1e-20, 1.671_875, 1e3, 0.0, 0.0]));
+    let error = Implicit::default().with_most_blocks(200).mesh(&uneven.expect("a tree"));
+    assert!(matches!(error, Err(SurfaceError::TooManyBlocks { most: 200, .. })));
     let bare = chain(&[Vec3::ZERO, Vec3::Y], 0.0);
     assert_eq!(Implicit::default().mesh(&bare), Err(SurfaceError::NoRadii { nodes: 2 }));
     let far = chain(&[Vec3::ZERO, Vec3::X * 1e20], 0.1);

@@ -7,6 +7,7 @@
 )]
 
 mod gltf;
+#[cfg(all(feature = "json", feature = "lidar", feature = "preview", feature = "testing"))]
 mod mutated;
 mod obj;
 mod options;
