@@ -100,7 +100,9 @@ fn tubes(bytes: &[u8]) -> bool {
         }
     }
     if let Ok(levels) = levels.of(&tree) {
-        levels.iter().for_each(|level| is_sound(&level.mesh));
+        for level in levels.iter() {
+            is_sound(&level.mesh);
+        }
     }
     if let Ok(level) = tubes.within(&tree, n.count() as usize) {
         is_sound(&level.mesh);
@@ -224,7 +226,7 @@ fn radii(bytes: &[u8]) -> bool {
         with_tip_diameter(float),
         with_trunk_diameter(float)
     );
-    let taper = some_of!(n, Taper::new(pipe.clone()), with_fraction(float), with_tip_fraction(float));
+    let taper = some_of!(n, Taper::new(pipe), with_fraction(float), with_tip_fraction(float));
     let varied = some_of!(
         n,
         Variational::uniform(n.float()),

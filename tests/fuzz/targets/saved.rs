@@ -76,7 +76,7 @@ fn one_season<E: Environment>(forest: Forest<E>) -> bool {
     let mut forest = forest.with_most_metamers(20_000);
     let _ = forest.step();
     for tree in forest.trees() {
-        assert!(tree.positions().all(|place| place.is_finite()));
+        assert!(tree.positions().all(Vec3::is_finite));
     }
     true
 }
