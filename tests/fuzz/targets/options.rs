@@ -100,7 +100,7 @@ fn tubes(bytes: &[u8]) -> bool {
         }
     }
     if let Ok(levels) = levels.of(&tree) {
-        for level in levels.iter() {
+        for level in &levels {
             is_sound(&level.mesh);
         }
     }
