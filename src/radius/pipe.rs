@@ -214,6 +214,7 @@ pub(super) mod tests {
         let model = PipeModel::default();
         assert_eq!(named(model), Ok(()));
         assert_eq!(named(model.with_exponent(10.0)), Ok(()));
+        assert_eq!(model.with_exponent(2.5).exponent().to_bits(), 2.5_f32.to_bits());
         for exponent in [1.0, 0.0, -2.0, 10.1, f32::NAN, f32::INFINITY] {
             assert_eq!(named(model.with_exponent(exponent)), Err("PipeModel.exponent".into()));
         }

@@ -23,3 +23,21 @@ impl RadiusModel for RadiusRecipe {
         self.strategy().check()
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::sample::y_fork;
+    use super::*;
+
+    #[test]
+    fn a_recipe_is_its_model() -> Result<(), Box<dyn std::error::Error>> {
+        let (fork, model) = (y_fork()?, Stout::new(PipeModel::default(), 0.1));
+        let recipe =
+            RadiusRecipe::Stout(Box::new(Stout::new(RadiusRecipe::PipeModel(PipeModel::default()), 0.1)));
+        assert_eq!(recipe.radii(&fork)?, model.radii(&fork)?);
+        assert_eq!(recipe.check(), Ok(()));
+        let bad = RadiusRecipe::PipeModel(PipeModel::default().with_exponent(0.0));
+        assert!(bad.check().is_err() && bad.radii(&fork).is_err());
+        Ok(())
+    }
+}

@@ -63,3 +63,55 @@ impl<M: RadiusModel> RadiusModel for Stout<M> {
         self.inner.check()
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::PipeModel;
+    use super::super::sample::{any_skeleton, chain, y_fork};
+    use super::*;
+    use proptest::prelude::*;
+    use std::error::Error;
+
+    #[test]
+    fn y_fork_by_hand() -> Result<(), Box<dyn Error>> {
+        let thin = PipeModel::default().with_tip_diameter(1e-4);
+        let arm = (0.5_f32 * 0.5 + 0.8 * 0.8).sqrt();
+        let radii = Stout::new(thin, 0.1).radii(&y_fork()?)?;
+        let wanted = [0.05 * (1.0 + arm), 0.05 * (1.0 + arm), 0.05 * arm, 0.05 * arm];
+        assert!(radii.iter().zip(wanted).all(|(radius, wanted)| (radius - wanted).abs() < 1e-6), "{radii:?}");
+        // What is thick enough stays.
+        let thick = PipeModel::default().with_tip_diameter(0.4);
+        assert_eq!(Stout::new(thick, 0.1).radii(&y_fork()?)?, thick.radii(&y_fork()?)?);
+        assert_eq!(Stout::new(thin, 1.0).radii(&chain(1)?)?, [5e-5]);
+        Ok(())
+    }
+
+    #[test]
+    fn bad_options_are_named() -> Result<(), Box<dyn Error>> {
+        let model = PipeModel::default();
+        assert_eq!(Stout::new(model, 1.0).check(), Ok(()));
+        assert_eq!(Stout::new(model, 0.0).check(), Ok(()));
+        for share in [-0.1, 1.1, f32::NAN] {
+            let named = Stout::new(model, share).check().map_err(|error| error.parameter);
+            assert_eq!(named, Err("Stout.share".into()));
+            assert!(Stout::new(model, share).radii(&chain(2)?).is_err());
+        }
+        let inner = Stout::new(model.with_exponent(0.0), 0.5).check().map_err(|error| error.parameter);
+        assert_eq!(inner, Err("PipeModel.exponent".into()));
+        Ok(())
+    }
+
+    proptest! {
+        #[test]
+        fn no_branch_is_thinner(skeleton in any_skeleton(), share in 0.0f32..0.2) {
+            let model = PipeModel::default();
+            let (plain, radii) = (model.radii(&skeleton).unwrap(), Stout::new(model, share).radii(&skeleton).unwrap());
+            prop_assert_eq!(check_radii(&skeleton, &radii), Ok(()));
+            prop_assert!(radii.iter().zip(&plain).all(|(stout, plain)| stout >= plain));
+            for (node, parent) in skeleton.edges() {
+                let length = skeleton.positions()[node].distance(skeleton.positions()[parent]);
+                prop_assert!(2.0 * radii[node] >= share * length * 0.9999);
+            }
+        }
+    }
+}

@@ -392,3 +392,6 @@ impl TryFrom<Parts> for Skeleton {
         skeleton.with_orders(parts.orders)
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -530,6 +530,14 @@ fn hash(tree: &Specimen) -> u64 {
 }
 
 #[test]
+fn a_line_end_of_old_within_a_text_comes_back_as_it_was_read() -> Result<(), Box<dyn Error>> {
+    let read = Species::parse(&by_name("hazel")?.to_text().replace("Corylus avellana", "Corylus\ravellana"))?;
+    assert_eq!(read.latin, "Corylus avellana");
+    assert_eq!(Species::parse(&read.to_text())?, read);
+    Ok(())
+}
+
+#[test]
 fn a_few_trees_are_pinned() -> Result<(), Box<dyn Error>> {
     let grown = |name: &str| -> Result<u64, Box<dyn Error>> {
         Ok(hash(&by_name(name)?.request().with_height(4.0).with_seed(1).grow()?))
