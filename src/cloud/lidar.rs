@@ -1,6 +1,6 @@
 //! Clouds in the files of laser scanners: LAS, LAZ and E57.
 
-use std::io::{BufReader, BufWriter, Read, Seek, Write};
+use std::io::{BufReader, BufWriter, Read, Seek, SeekFrom, Write};
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
 use e57::{CartesianCoordinate, E57Reader};
@@ -24,8 +24,55 @@ fn las_fault(place: impl std::fmt::Display, error: las::Error) -> CloudError {
     }
 }
 
+fn number<const BYTES: usize>(reader: &mut impl Read) -> std::io::Result<u64> {
+    let mut bytes = [0; 8];
+    reader.read_exact(&mut bytes[..BYTES])?;
+    Ok(u64::from_le_bytes(bytes))
+}
+
+/// Refuses lengths and counts that the file cannot hold, for which the readers would take memory before they look.
+fn check_lengths(reader: &mut (impl Read + Seek)) -> Result<(), CloudError> {
+    let length = reader.seek(SeekFrom::End(0))?;
+    reader.rewind()?;
+    // What is wrong with a header is told by who reads it all.
+    let Ok(header) = las::raw::Header::read_from(&mut *reader) else { return Ok(()) };
+    let within = |place: &str, number: u64| {
+        let error = || format!("{number} is more than the file of {length} bytes can hold");
+        if number <= length { Ok(()) } else { Err(fault("LAS", place, error())) }
+    };
+    if let Some(records) = header.evlr {
+        let mut at = records.start_of_first_evlr;
+        within("extended records", at)?;
+        for _ in 0..records.number_of_evlrs {
+            reader.seek(SeekFrom::Start(at.saturating_add(20)))?;
+            // Where the file ends its reader says so.
+            let Ok(bytes) = number::<8>(reader) else { break };
+            at = at.saturating_add(60).saturating_add(bytes);
+            within("extended record", at)?;
+        }
+    }
+    if header.point_data_record_format & 0x80 != 0 {
+        let start = u64::from(header.offset_to_point_data);
+        reader.seek(SeekFrom::Start(start))?;
+        let mut table = number::<8>(reader).unwrap_or(0);
+        if table as i64 <= start as i64 {
+            reader.seek(SeekFrom::Start(length.saturating_sub(8)))?;
+            table = number::<8>(reader).unwrap_or(0);
+        }
+        if table as i64 > start as i64 {
+            within("table of chunks", table)?;
+            // After its version.
+            reader.seek(SeekFrom::Start(table + 4))?;
+            within("table of chunks", number::<4>(reader).unwrap_or(0))?;
+        }
+    }
+    Ok(())
+}
+
 fn las_places(reader: impl Read + Seek + Send + Sync + 'static) -> Result<Vec<DVec3>, CloudError> {
-    let reader = BufReader::with_capacity(1 << 16, reader);
+    let mut reader = BufReader::with_capacity(1 << 16, reader);
+    check_lengths(&mut reader)?;
+    reader.rewind()?;
     let mut reader = Reader::new(reader).map_err(|error| las_fault("header", error))?;
     let count = reader.header().number_of_points();
     let mut chunk = PointDataBuilder::new().for_header(reader.header()).build();

@@ -206,3 +206,31 @@ proptest! {
         }
     }
 }
+
+#[test]
+fn lengths_that_the_file_cannot_hold_are_refused() {
+    let cloud = Cloud::new(vec![Vec3::ZERO, Vec3::X, Vec3::Y]).expect("a cloud");
+    let told = |bytes: &[u8]| read_las(&Frame::default(), bytes).expect_err("it cannot be").to_string();
+    let mut laz = las(&cloud, &Frame::default(), true);
+    let place =
+        |bytes: &[u8], at: usize| u32::from_le_bytes(bytes[at..at + 4].try_into().expect("4")) as usize;
+    let table = place(&laz, place(&laz, 96));
+    // 34 gigabytes of chunks: the decoder would take them and the process would end.
+    laz[table + 4..table + 8].fill(0xFF);
+    assert!(told(&laz).contains("table of chunks") && told(&laz).contains("4294967295"), "{}", told(&laz));
+    // Version 1.4, one extended record of half of all bytes that can be numbered.
+    let mut las = vec![0; 375 + 60];
+    las[..4].copy_from_slice(b"LASF");
+    (las[24], las[25], las[104]) = (1, 4, 6);
+    for (at, number) in [(94, 375u16), (105, 30)] {
+        las[at..at + 2].copy_from_slice(&number.to_le_bytes());
+    }
+    las[96..100].copy_from_slice(&375u32.to_le_bytes());
+    for axis in 0..3 {
+        las[131 + 8 * axis..139 + 8 * axis].copy_from_slice(&0.01f64.to_le_bytes());
+    }
+    las[235..243].copy_from_slice(&375u64.to_le_bytes());
+    las[243..247].copy_from_slice(&1u32.to_le_bytes());
+    las[395..403].copy_from_slice(&(u64::MAX / 2).to_le_bytes());
+    assert!(told(&las).contains("extended record"), "{}", told(&las));
+}
