@@ -78,7 +78,7 @@ enum Plan<'a> {
 struct Grown {
     name: String,
     seed: u64,
-    /// That of the surface.
+    /// The skeleton that the surface was made of.
     skeleton: Skeleton,
     model: Model,
     bark: Material,

@@ -242,6 +242,9 @@ impl<'a> Tree<'a> {
             let models: Vec<_> = models.iter().map(|&i| &carded.clusters[i as usize]).collect();
             kinds.extend(carded.source.kinds(&models, grid, kinds.len(), self.watch)?);
         }
+        if kinds.is_empty() {
+            return Ok(asset);
+        }
         // Materials are multiplied with the images, which have all the colour.
         let material = if has_leaves { Material::leaf() } else { self.builder.wood() };
         asset.cards.extend(kinds.iter().map(|kind| Piece {

@@ -276,7 +276,7 @@ impl Fields for Reader<'_> {
     fn text(&mut self, name: &'static str, value: &mut String) {
         if let Some((line, raw)) = self.take(name) {
             match unquoted(raw) {
-                // A line's end of old: `to_text` has a space for it.
+                // `to_text` writes a space for a carriage return.
                 Some(text) => *value = text.replace('\r', " "),
                 None => self.fail(line, name, format!("is {raw}, but must be a text in double quotes")),
             }
