@@ -13,7 +13,7 @@ use rand_chacha::ChaCha8Rng;
 use std::f32::consts::TAU;
 use std::sync::Arc;
 
-/// Endpoints for the laterals of all branches of one order: each branch takes those of a branch of about its length in
+/// The laterals of all branches of one order, and their tips as endpoints: each branch takes those of a branch of about its length in
 /// the example, and scales them to its own.
 #[derive(Debug, Clone)]
 pub(super) struct LateralsLike {
@@ -27,6 +27,13 @@ pub(super) struct LateralsLike {
     pub(super) crown: Crown,
     /// Whether the example's trunk bears its limbs to all sides; if not, each keeps its own.
     pub(super) round: bool,
+}
+
+/// A lateral to be: the place of its base on its parent branch, and the way from there to its tip, metres.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Planned {
+    pub(super) place: usize,
+    pub(super) way: Vec3,
 }
 
 /// How much longer a branch may be than the one it is modelled on, or shorter; and the most that one is drawn from, each way.
@@ -54,9 +61,10 @@ impl LateralsLike {
         self.models.get(random.random_range(low..=high))
     }
 
-    /// Ends of the laterals of one branch.
-    fn targets(&self, axis: &Axis, random: &mut ChaCha8Rng, targets: &mut Vec<Vec3>) {
-        let Some(model) = self.model(axis.length(), random) else { return };
+    /// Laterals of one branch.
+    pub(super) fn of_branch(&self, axis: &Axis, random: &mut ChaCha8Rng) -> Vec<Planned> {
+        let mut planned = Vec::new();
+        let Some(model) = self.model(axis.length(), random) else { return planned };
         let scale = (axis.length() / model.length.max(1e-6)).clamp(0.5, 2.0);
         let gap = 1.0 / model.laterals.len().max(1) as f32;
         let mirrored = if random.random::<bool>() { 1.0 } else { -1.0 };
@@ -101,9 +109,10 @@ impl LateralsLike {
                     }
                     way *= inside.max(LEAST) * (1.0 - BACK * random.random::<f32>());
                 }
-                targets.push(base + way);
+                planned.push(Planned { place, way });
             }
         }
+        planned
     }
 
     /// A limb has the form of a near one, and a side of its own.
@@ -126,7 +135,9 @@ impl EndpointPolicy for LateralsLike {
             for (number, branch) in (0u64..).zip(tree.branches().iter()) {
                 if branch.order() == self.order {
                     let mut random = stream(view.seed(), view.stage() as u32, Purpose::ENDPOINTS, number);
-                    self.targets(&Axis::of(&tree, &branch), &mut random, &mut targets);
+                    let axis = Axis::of(&tree, &branch);
+                    let planned = self.of_branch(&axis, &mut random);
+                    targets.extend(planned.iter().map(|lateral| axis.points[lateral.place] + lateral.way));
                 }
             }
         }
