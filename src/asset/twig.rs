@@ -53,7 +53,7 @@ pub(super) fn fewer(wood: &[Wood], least: f32) -> Vec<Wood> {
             (beyond[parent], heir[parent]) = (longest[i], i);
         }
     }
-    // What goes on a twig is as long as the twig.
+    // The internodes along a twig are ranked by the length of the whole twig.
     for (i, own) in wood.iter().enumerate() {
         if let Some(parent) = parent(own).filter(|&parent| heir[parent] == i) {
             longest[i] = longest[parent];

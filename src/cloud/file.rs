@@ -37,7 +37,7 @@ impl From<Fault> for CloudError {
     }
 }
 
-/// What stands between numbers of a text.
+/// True for a byte that separates numbers of a text.
 fn is_between(byte: u8) -> bool {
     byte.is_ascii_whitespace() || matches!(byte, 0 | 0x0B)
 }
@@ -123,7 +123,7 @@ impl Cloud {
         frame.check()?;
         let mut lines = Lines::new(BufReader::with_capacity(1 << 16, reader));
         let mut columns = [0, 1, 2];
-        // How many names there are, and whether they stand in a comment.
+        // Number of column names, and whether they stand in a comment.
         let mut names: Option<(usize, bool)> = None;
         let (mut passed, mut has_count) = (0, false);
         let mut places = Vec::new();

@@ -16,7 +16,7 @@ const CHUNK: u64 = 1 << 16;
 /// Steps in a unit of a LAS file's coordinates: a tenth of a millimetre for metres.
 const STEP: f64 = 1e-4;
 
-/// What went wrong in a LAS file: an error of the disk as such.
+/// The crate's error for one of a LAS file: errors of the disk stay as they are.
 fn las_fault(place: impl std::fmt::Display, error: las::Error) -> CloudError {
     match error {
         las::Error::Io(error) if error.kind() != std::io::ErrorKind::UnexpectedEof => CloudError::Io(error),
@@ -34,7 +34,7 @@ fn number<const BYTES: usize>(reader: &mut impl Read) -> std::io::Result<u64> {
 fn check_lengths(reader: &mut (impl Read + Seek)) -> Result<(), CloudError> {
     let length = reader.seek(SeekFrom::End(0))?;
     reader.rewind()?;
-    // What is wrong with a header is told by who reads it all.
+    // Errors in the header are reported by the reader of the whole file.
     let Ok(header) = las::raw::Header::read_from(&mut *reader) else { return Ok(()) };
     let within = |place: &str, number: u64| {
         let error = || format!("{number} is more than the file of {length} bytes can hold");
@@ -45,7 +45,7 @@ fn check_lengths(reader: &mut (impl Read + Seek)) -> Result<(), CloudError> {
         within("extended records", at)?;
         for _ in 0..records.number_of_evlrs {
             reader.seek(SeekFrom::Start(at.saturating_add(20)))?;
-            // Where the file ends its reader says so.
+            // At the end of the file, the reader of the whole file reports the error.
             let Ok(bytes) = number::<8>(reader) else { break };
             at = at.saturating_add(60).saturating_add(bytes);
             within("extended record", at)?;

@@ -59,7 +59,7 @@ pub enum CloudError {
         format: &'static str,
         /// The line or byte.
         place: String,
-        /// What stands there, and what must.
+        /// Description of what was found and what is required.
         problem: String,
     },
 }
@@ -109,7 +109,8 @@ impl Cloud {
         self.points
     }
 
-    /// What was taken off the file's coordinates, in its axes and unit; [`Frame::with_offset`] puts it back.
+    /// Offset that was taken off the file's coordinates, in its axes and unit;
+    /// [`Frame::with_offset`] adds it again.
     pub fn offset(&self) -> DVec3 {
         self.offset
     }
@@ -119,7 +120,7 @@ impl Cloud {
         self.points.len()
     }
 
-    /// Whether there is none.
+    /// True if there are no points.
     pub fn is_empty(&self) -> bool {
         self.points.is_empty()
     }

@@ -78,14 +78,14 @@ pub fn read_mtg(frame: &Frame, reader: impl Read) -> Result<Trees, FormatError> 
     vertices.trees(frame)
 }
 
-/// What a row goes on from.
+/// State from which a row continues.
 #[derive(Debug, Clone, Copy, Default)]
 struct Cursor {
     /// The latest node.
     node: Option<usize>,
     /// A coarser vertex began a lateral, whose first node is to come.
     is_lateral: bool,
-    /// Whether there is a vertex at all.
+    /// True once there is a vertex.
     begun: bool,
 }
 

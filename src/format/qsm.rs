@@ -29,7 +29,7 @@ struct Cylinder {
     order: Option<u16>,
 }
 
-/// Where the columns are.
+/// Numbers of the columns.
 struct Columns {
     id: Option<usize>,
     parent: usize,
@@ -182,7 +182,8 @@ fn settle_firsts(rows: &mut [Row]) {
     }
 }
 
-/// Where a cylinder leaves its parent, as a share of the parent's length, and how far from its axis.
+/// Place at which a cylinder leaves its parent: share of the parent's length, and distance from its
+/// axis.
 fn leaves_at(child: &Cylinder, parent: &Cylinder) -> (f64, f64) {
     if child.start == parent.end {
         return (1.0, 0.0);

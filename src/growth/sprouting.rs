@@ -154,7 +154,7 @@ impl<'a> Builder<'a> {
         Ok(())
     }
 
-    /// Whether a branch lives in a year, if only at its beginning.
+    /// True if a branch lives in a year, if only at its beginning.
     fn is_living(&self, axis: usize, year: u16) -> bool {
         self.axes[axis].died > f32::from(year - 1)
     }
@@ -228,7 +228,7 @@ impl<'a> Builder<'a> {
                 start: 0,
             });
             if died < f32::from(architecture.years) {
-                // What is bare stands the longer the larger it is.
+                // A bare branch stands longer the larger it is.
                 let last = usize::from(died as u16 - year);
                 let length = self.shoots[self.axes[number].start as usize + last].length;
                 let bare = (BARE_YEARS * length.sqrt() * (0.5 + draw(Draw::Break))).min(MOST_BARE_YEARS);
@@ -242,7 +242,7 @@ impl<'a> Builder<'a> {
         }
     }
 
-    /// Whether a branch forks at the end of the shoot before `year`.
+    /// True if a branch forks at the end of the shoot before `year`.
     fn forks(&self, parent: usize, year: u16) -> bool {
         let id = (parent as u64) << 16 | u64::from(year);
         unit(self.seed, Draw::Fork as u32, Purpose::GROWTH, id) < self.architecture.forking

@@ -1,5 +1,5 @@
-//! What of a tree does not depend on its age: which branches it ever has, how long each is in each year, of how many
-//! metamers its shoots are, and when it is lost.
+//! The part of a tree that does not depend on its age: the branches that it ever has, the length of
+//! each in each year, the number of metamers of its shoots, and the age at which it is lost.
 //!
 //! Branches are numbered by the year in which they sprout, so that a bearing branch comes before what it bears; nodes
 //! are numbered year by year. Neither number ever changes.
@@ -30,7 +30,8 @@ pub(super) struct Axis {
     pub(super) bearer: u32,
     /// Number within the whorl at that metamer, from 0.
     pub(super) place: u16,
-    /// Whether it is half of a fork: as long as its parent branch beyond it, which leans the other way.
+    /// True if it is half of a fork: as long as the rest of its parent branch, which leans the
+    /// other way.
     pub(super) is_twin: bool,
     pub(super) order: u16,
     /// Its order without the forks on the way: a twin has its parent branch's.

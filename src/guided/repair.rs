@@ -165,7 +165,8 @@ struct Repair<'a, 'g> {
     list: Vec<u32>,
     /// Opened or changed, and what hangs on it not yet seen to.
     stack: Vec<u32>,
-    /// Whether a search from nothing would have taken the same ways for certain, and this is faster.
+    /// True while a search from nothing would have taken the same ways for certain, and this is
+    /// faster.
     is_clear: bool,
     anew: usize,
 }
@@ -178,7 +179,7 @@ impl Repair<'_, '_> {
         let old_forks: Option<Vec<Fork>> = asked.forks.then(|| {
             old.iter().map(|&node| search.fork(node).unwrap_or_else(|| Fork::new(Vec3::Y))).collect()
         });
-        // What each node of the new trees was before.
+        // Place, parent and vector of each node of the new trees before.
         let before: Vec<(Option<usize>, u32, Vec3)> = entries
             .iter()
             .map(|entry| {
@@ -299,7 +300,7 @@ impl Repair<'_, '_> {
         }
     }
 
-    /// Whether cost and vector of a node are final.
+    /// True if cost and vector of a node are final.
     fn is_final(&self, node: u32) -> bool {
         self.state[node as usize] != State::Open && self.search.is_settled(node)
     }
@@ -332,8 +333,8 @@ impl Repair<'_, '_> {
         Ok(())
     }
 
-    /// Whether a search from nothing takes this way rather than the one that is known: the cheaper one, or of equal
-    /// ones that whose start it settles first.
+    /// True if a search from nothing takes this way rather than the known one: it is cheaper, or
+    /// costs the same and its start is settled first.
     fn is_better(&mut self, from: u32, to: u32, through: f32) -> bool {
         let (known, before) = (self.search.costs[to as usize], self.search.parents[to as usize]);
         // Neither is NaN, and no cost is -0.

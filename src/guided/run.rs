@@ -126,7 +126,7 @@ impl Search<'_> {
             if open == 0 {
                 continue;
             }
-            // Where the others are need not be in the cache any more.
+            // Only positions of open ends are read, so that the others need not be in the cache.
             for (to, end) in &mut ends[..open] {
                 *end = positions[*to as usize];
             }
@@ -242,7 +242,7 @@ impl Search<'_> {
         self.stages_before.saturating_add(stage as u16)
     }
 
-    /// Whether the endpoints are nodes that paths lead to.
+    /// Checks that the endpoints are nodes that paths lead to.
     pub(super) fn check_endpoints(&self, endpoints: &[u32], stage: usize) -> Result<(), SearchError> {
         for &node in endpoints {
             if node as usize >= self.graph.nodes() {
@@ -364,8 +364,8 @@ impl Ahead {
         }
     }
 
-    /// What the node at a place in the open bucket leaves to those after it, and its edges; `None` where that has to be
-    /// worked out when it is settled.
+    /// Guide, edges and weights of the node at a place in the open bucket; `None` where they have
+    /// to be computed when it is settled.
     #[inline]
     fn get(&self, place: usize) -> Option<WorkedOut<'_>> {
         let i = place.checked_sub(self.first)?;

@@ -1,4 +1,4 @@
-//! What is known of each node while trees grow: costs, paths, guiding vectors, and which are on the tree.
+//! State of each node while trees grow: costs, paths, guiding vectors, and which are on the tree.
 
 use super::fork::{Fork, Parts};
 use super::graph::{Graph, Planted};
@@ -311,7 +311,7 @@ impl<'g> Search<'g> {
         &self.stages
     }
 
-    /// Whether `node` is on the tree.
+    /// True if `node` is on the tree.
     ///
     /// # Panics
     /// As all methods that take a node: when there is no such node.
@@ -320,8 +320,8 @@ impl<'g> Search<'g> {
         self.on_tree[node as usize / 64] >> (node % 64) & 1 == 1
     }
 
-    /// Which tree `node` is on, or its path starts from: the number among the graph's [roots](Graph::roots). `None` off
-    /// the trees if not settled.
+    /// The tree that `node` is on, or that its path starts from: its number among the graph's
+    /// [roots](Graph::roots). `None` off the trees if not settled.
     pub fn tree_of(&self, node: u32) -> Option<u32> {
         let source = if self.is_on_tree(node) { node } else { self.source(node)? };
         Some(self.owners[self.place[source as usize] as usize])
@@ -332,12 +332,13 @@ impl<'g> Search<'g> {
         Some(self.place[node as usize]).filter(|&place| place != NONE).map(|place| place as usize)
     }
 
-    /// Whether the latest search went to its end, so that what is not settled cannot be reached.
+    /// True if the latest search went to its end, so that nodes that are not settled cannot be
+    /// reached.
     pub fn is_complete(&self) -> bool {
         self.complete
     }
 
-    /// Whether the latest search has settled `node`: its cost and path are final.
+    /// True if the latest search has settled `node`: its cost and path are final.
     #[inline]
     pub fn is_settled(&self, node: u32) -> bool {
         !self.guides[node as usize].vector.x.is_nan()

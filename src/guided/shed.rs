@@ -71,8 +71,9 @@ impl Shedding {
         )
     }
 
-    /// What stays of a tree, and the number in it of each node that stays, ascending. Orders are worked out anew: where an
-    /// axis has fallen, a branch that it bore goes on. O(n) a round; as many rounds as branches fall in a row.
+    /// The part of a tree that stays, and the number that each of its nodes had before, ascending.
+    /// Orders are computed anew: where an axis has fallen, a branch that it bore goes on. O(n) per
+    /// round; as many rounds as branches fall in a row.
     ///
     /// # Errors
     /// None for a sound skeleton.
@@ -112,7 +113,7 @@ impl Shedding {
                 stays[axis[last + 1] as usize] = false;
             }
         }
-        // What a fallen node bears falls with it.
+        // A fallen node takes all above it along.
         for (node, parent) in tree.edges() {
             stays[node] &= stays[parent];
         }

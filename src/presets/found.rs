@@ -6,7 +6,7 @@ use crate::species::{self, Species};
 use crate::variational;
 use std::fmt;
 
-/// What makes a tree.
+/// A system that grows trees.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum System {
@@ -89,7 +89,7 @@ impl Found {
         }
     }
 
-    /// What makes its tree.
+    /// The system that grows its tree.
     pub fn system(&self) -> System {
         match self {
             Self::Guided(_) => System::Guided,

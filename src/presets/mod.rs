@@ -70,13 +70,13 @@ pub struct Preset {
     pub name: &'static str,
     /// The number of the figure; 0 beyond the paper.
     pub figure: u8,
-    /// What the tree shows.
+    /// Description of the tree in the figure.
     pub caption: &'static str,
     /// The seed of its picture.
     pub seed: u64,
     /// The stages after which the figure shows the unfinished tree, if it does.
     pub partial_stages: Option<usize>,
-    /// Whether it lies in the plane z = 0.
+    /// True if it lies in the plane z = 0.
     pub planar: bool,
     build: fn(usize) -> Recipe,
     look: Look,

@@ -1,4 +1,4 @@
-//! Where the tree of a figure stands, and what a hop is there.
+//! Site of a figure's tree, and the length of a hop there.
 
 use super::{TYPICAL_NODES, bark, fork};
 use crate::guided::{Bend, Count, HopSurface, InShape, PoissonYao, Recipe, StageRecipe};

@@ -83,8 +83,8 @@ impl<E: Environment> Stand<E> {
         Ok(forest)
     }
 
-    /// What its gardener does after the season that has just passed: a hedge is trimmed, a brush paints on. Nothing for
-    /// most.
+    /// The gardener's work after the season that has just passed: a hedge is trimmed, a brush
+    /// paints on. Nothing for most.
     ///
     /// # Errors
     /// None for the presets of this module.

@@ -28,8 +28,8 @@ pub enum Projection {
 
 /// A camera that looks from a direction and stands where everything fits into the picture.
 ///
-/// By default it frames the meshes it is shown, exactly; [`with_frame`](Self::with_frame) fixes the frame, so that
-/// several pictures have one scale.
+/// The default frame fits the meshes shown, exactly; [`with_frame`](Self::with_frame) fixes the
+/// frame, so that several pictures have one scale.
 #[must_use]
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
@@ -278,7 +278,8 @@ impl View {
         }
     }
 
-    /// Whether nearness is one over the depth, so that only what is divided by it is linear over the picture.
+    /// True if nearness is one over the depth, so that only values divided by the depth are linear
+    /// over the picture.
     pub(super) fn is_perspective(&self) -> bool {
         self.perspective
     }
@@ -288,7 +289,7 @@ impl View {
         if self.perspective { (self.eye - point).normalize_or(self.axes.back) } else { self.axes.back }
     }
 
-    /// How near a point in front of the camera is, as [`project`](Self::project) has it.
+    /// Nearness of a point in front of the camera, as in [`project`](Self::project).
     #[inline]
     pub(super) fn nearness(&self, point: Vec3) -> f32 {
         let depth = (self.eye - point).dot(self.axes.back);
@@ -326,8 +327,8 @@ impl View {
         if self.perspective { nearness / self.scale } else { 1.0 / self.scale }
     }
 
-    /// Where the line of sight through a place of the picture meets the horizontal plane at `height`; `None` if it
-    /// does not.
+    /// Point where the line of sight through a place of the picture meets the horizontal plane at
+    /// `height`; `None` if it does not.
     pub(super) fn ground(&self, x: f32, y: f32, height: f32) -> Option<Vec3> {
         let (dx, dy) = ((x - self.middle.0) / self.scale, (self.middle.1 - y) / self.scale);
         let Axes { right, up, back } = self.axes;

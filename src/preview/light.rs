@@ -175,8 +175,8 @@ impl<'a> Light<'a> {
         direct + color * sky + sun * self.gloss(surface) * slope.max(0.0)
     }
 
-    /// What of the sun is mirrored towards the camera (Trowbridge and Reitz 1975; Kelemen and Szirmay-Kalos 2001), as a
-    /// part of what a white surface would scatter.
+    /// Sunlight that is mirrored towards the camera (Trowbridge and Reitz 1975; Kelemen and
+    /// Szirmay-Kalos 2001), as a part of what a white surface would scatter.
     fn gloss(&self, surface: &Surface) -> f32 {
         let Some((roughness, towards)) = surface.gloss else { return 0.0 };
         let half = (self.sun + towards).normalize_or(surface.normal);

@@ -186,7 +186,7 @@ impl Reconstruct {
         self
     }
 
-    /// Whether points of the ground are searched for and left out; default true.
+    /// Searches for points of the ground and leaves them out; default true.
     pub fn with_ground(mut self, is_looked_for: bool) -> Self {
         self.has_ground = is_looked_for;
         self

@@ -15,7 +15,7 @@ impl Specimen {
     /// The bark of its species as images, the older the thicker the trunk is. Its mean colour is the lightest of trunk, limbs and twigs,
     /// channel by channel; the vertex colours of [`levels`](Self::levels) darken it to each of them.
     pub fn bark_texture(&self) -> Bark {
-        // What is left of long dead trees is the grain of their wood.
+        // Long dead trees show the grain of their wood.
         let wood = self.numbers.dead.is_some_and(|years| years > BARE);
         let age = 0.2 + 0.7 * (self.numbers.dbh / OLD).min(1.0);
         let bark = if wood {

@@ -96,7 +96,7 @@ fn grown(organ: &Organ, day: f32, [comes, falls]: [f32; 2]) -> Option<f32> {
     let (from, to) = (first + (all - first) * comes, falling + (last - falling) * falls);
     let day = [day, day + YEAR].into_iter().find(|day| (from..to).contains(day))?;
     let open = ((day - from) / (0.5 * (all - first)).max(1.0)).clamp(0.0, 1.0);
-    // What is there all the time has long been grown.
+    // Organs without a time of opening are full-grown.
     Some(if all > first { FIRST + (1.0 - FIRST) * open } else { 1.0 })
 }
 

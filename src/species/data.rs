@@ -1,4 +1,4 @@
-//! What a species is: the numbers of its text file.
+//! Species as data: the numbers of their text files.
 
 use super::organ::Organ;
 use super::text::Choice;
@@ -40,8 +40,8 @@ pub struct Species {
     pub organs: Vec<Organ>,
 }
 
-/// How large a species gets. Values "at" two trunks are for diameters of 20 and 40 cm at 1.3 m; in between and beyond
-/// they follow a power of the diameter.
+/// Size of a species. Values "at" two trunks are for diameters of 20 and 40 cm at 1.3 m; in between
+/// and beyond they follow a power of the diameter.
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize))]
 #[non_exhaustive]
@@ -413,7 +413,7 @@ pub struct LeafData {
     pub turn: f32,
     /// Random deviation of each, radians.
     pub disorder: f32,
-    /// Whether they stay over the winter.
+    /// True if leaves stay over the winter.
     pub evergreen: bool,
     /// Colour in summer, sRGB.
     pub summer: [f32; 3],
@@ -524,7 +524,7 @@ pub struct BarkData {
     /// Colours of the outer surface, of what is deep, and of what is special (lenticels, fresh flakes, lichen), sRGB: what counts
     /// is how they differ, for their mean becomes that of the trunk. All 0: the kind's own.
     pub palette: [f32; 9],
-    /// How far the colours are from their mean, 0 (all the same) to 2; 1: as in the palette.
+    /// Spread of the colours about their mean, 0 (all the same) to 2; 1: as in the palette.
     pub spread: f32,
 }
 

@@ -119,7 +119,7 @@ fn color(data: &LeafData, now: Season, leaves: &mut Leaves, seed: u64) {
         .instances
         .iter()
         .map(|leaf| {
-            // By its place, which it keeps while others fall.
+            // A leaf's random numbers come from its place, which it keeps while others fall.
             let [x, y, z] = leaf.position.to_array().map(|at| u64::from(at.to_bits()));
             let place = (x << 32 | z) ^ y.rotate_left(17);
             // Leaves of one shoot turn together, more or less.

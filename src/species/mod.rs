@@ -86,7 +86,7 @@ pub enum SpeciesError {
         field: &'static str,
         /// Its value, in the unit of the field.
         value: f32,
-        /// How to change it: `greater` or `less`.
+        /// Direction of the change that is needed: `greater` or `less`.
         change: &'static str,
     },
 }

@@ -1,4 +1,4 @@
-//! What organs are drawn with: flowers, catkins, fruit and cones of few triangles, 1 long and 1 wide at most.
+//! Models of organs: flowers, catkins, fruit and cones of few triangles, 1 long and 1 wide at most.
 
 use super::organ::{Organ, OrganKind};
 use crate::foliage::Leaf;

@@ -1,4 +1,4 @@
-//! What a caller asks of a species, and what follows from it.
+//! Requests for a tree of a species, and the numbers that follow from them.
 
 use super::data::Species;
 use super::draw::Draw;
@@ -6,7 +6,7 @@ use super::{SpeciesError, Specimen};
 use crate::ParameterError;
 use crate::math;
 
-/// A tree that is wished for. What is not said follows from the species' allometry with its natural spread.
+/// Request for a tree. Values that are not given follow from the species' allometry with its natural spread.
 ///
 /// ```
 /// use treesynth::species;
@@ -225,7 +225,7 @@ impl<'a> Request<'a> {
         };
         let [slowest, fastest] = size.slenderness;
         if let (Some(dbh), Some(_)) = (self.dbh, self.height) {
-            // So thin a trunk is of a tree that is too low to be measured at 1.3 m.
+            // A trunk this thin belongs to a tree that is too low to be measured at 1.3 m.
             let [low, high] = [LOWEST / fastest, size.diameter[1]];
             let holds = dbh >= low;
             unless(

@@ -33,7 +33,7 @@ pub struct Specimen {
     pub numbers: Numbers,
     /// The seed.
     pub seed: u64,
-    /// How bare of bark it is at each node, 0 to 1.
+    /// Share of bark that is missing at each node, 0 to 1.
     bare: Vec<f32>,
 }
 
@@ -108,12 +108,12 @@ const FOOT: f32 = 3.0;
 pub(super) const FRESH: [f32; 3] = [204.0, 172.0, 124.0];
 pub(super) const WEATHERED: [f32; 3] = [150.0, 144.0, 134.0];
 
-/// How often a tree is grown until its crown is as wide as wished for.
+/// Most times that a tree is grown again to get the crown width that was asked for.
 const TRIALS: usize = 3;
 
 /// More leaves than these have no room in memory at the spacing of the species.
 const MOST_LEAVES: usize = 4_000_000;
-/// By which part a diameter that was asked for may be missed.
+/// Largest deviation from a diameter that was asked for, as a part of it.
 const OFF: f32 = 0.02;
 
 pub(super) fn grow(
@@ -164,7 +164,7 @@ pub(super) fn grow(
     let (mut dressed, area) = dress::dress(species, &whole, plan.leaf_area, plan.day, own)?;
     numbers.leaf_area = area;
     let mut organs = bear::bear(species, &whole, &numbers, own);
-    // What breaks and dies does so on the tree as it was.
+    // Breakage and death change the tree as it has grown.
     let mut timber = Timber::new(wood, radii);
     let number = decay::wreck(&mut timber, &numbers, own);
     let intact = numbers.dead.is_none() && numbers.damage <= 0.0;

@@ -66,7 +66,7 @@ pub(super) trait Fields {
 struct Entry<'a> {
     line: usize,
     section: &'a str,
-    /// Which of the tables of that name, from 1; 0 in a section.
+    /// Number among the tables of that name, from 1; 0 in a section.
     table: usize,
     name: &'a str,
     value: &'a str,
@@ -149,7 +149,7 @@ impl<'a> Reader<'a> {
         })
     }
 
-    /// What is wrong with the headers: sections that there are none of, lists that are not written as such.
+    /// Reports faults of the headers: unknown sections, lists that are not written as lists.
     fn check_headers(&mut self) {
         for header in std::mem::take(&mut self.headers) {
             let known = self.sections.iter().find(|(name, _)| *name == header.name);

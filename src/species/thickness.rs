@@ -166,7 +166,8 @@ fn stems(species: &Species, wood: &Wood, plan: &Numbers, asked: bool, radii: &mu
     }
 }
 
-/// By how much low stems become thicker at the most than their profile, where the diameter is not asked for.
+/// Largest factor by which low stems become thicker than their profile, where the diameter is not
+/// asked for.
 const MOST_THICKER: f32 = 1.3;
 
 /// Radius over that at breast height, by height: linear between the measured ones, down to the shoot at the top.

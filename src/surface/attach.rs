@@ -1,4 +1,4 @@
-//! Where each tube begins: in the wood that bears it.
+//! Starts of tubes: each begins within the wood of its parent branch.
 
 use super::Tubes;
 use super::axis::{Axes, Axis, Station};
@@ -69,7 +69,7 @@ impl Axes {
     ///
     /// That is the branch that bears it; or what bears that branch, if it is still within that where it has a lateral.
     fn bearing(&self, axis: &Axis) -> Option<(usize, usize)> {
-        // Where the bearer has no surface, the branch itself is what is found there.
+        // A parent branch without a surface of its own would have the branch itself there.
         let (mut bearer, mut station) =
             self.place(axis.bearer?).filter(|(_, place)| !axis.stations.contains(place))?;
         while let Some((elder, at)) = self.all[bearer].bearing {
@@ -90,7 +90,7 @@ impl Axes {
         Some((bearer, station.saturating_sub(first)))
     }
 
-    /// Whether a place on an axis is the base of a trunk, which has wood on one side only.
+    /// True if a place on an axis is the base of a trunk, which has wood on one side only.
     fn stands(&self, bearer: usize, base: &Near) -> bool {
         self.all[bearer].bearing.is_none() && base.place.is_start()
     }

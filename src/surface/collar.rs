@@ -1,4 +1,4 @@
-//! Where a branch leaves the one that bears it.
+//! Collars: the bases of branches where they leave their parent branches.
 
 use super::axis::{Axes, Axis, Station};
 use super::circle::Circles;
@@ -8,30 +8,34 @@ use crate::math::{atan2, parallel_transport};
 use glam::{Vec3, Vec4};
 use std::f32::consts::TAU;
 
-/// How far the foot of a collar reaches beyond the branch, in radii of the branch, for rings of so many sides and more;
-/// the feet of fewer have such long edges and sharp corners that they keep closer.
+/// Reach of a collar's base beyond the branch, in radii of the branch, for rings of `FLARE_SIDES`
+/// and more; fewer sides have such long edges and sharp corners that they keep closer.
 const FLARE: f32 = 0.7;
 const FLARE_SIDES: f32 = 8.0;
 /// Distance from the parent branch at which a collar ends, in radii of the branch.
 const CLEARANCE: f32 = 0.8;
-/// How deep the foot of a collar is sunk into the bearing branch, in radii of the branch.
+/// Depth to which a collar's base is sunk into the parent branch, in radii of the branch.
 const SUNK: f32 = 0.03;
-/// The same at most, in radii of the bearing branch: where that bends, it is thinner than its rings are wide.
+/// The greatest such depth, in radii of the parent branch: where that bends, it is thinner than its
+/// rings are wide.
 const DEEPEST: f32 = 0.25;
-/// The longest collar, in radii of both branches together: what runs on beside its bearing branch has none.
+/// The longest collar, in radii of both branches together: a branch that runs on beside its parent
+/// branch has none.
 pub(super) const LONGEST: f32 = 8.0;
-/// The thickest foot, in radii of the bearing branch.
+/// The thickest collar base, in radii of the parent branch.
 const THICKEST: f32 = 0.9;
 /// The radius at the start of the wood within a collar, in radii of the straight tube there. Between its few rings, and
 /// where its ends are sunk, a collar is a little thinner than that tube.
 const CORE: f32 = 0.5;
-/// The farthest that a branch springs from its bearer's axis, in radii of the bearer.
+/// The farthest that a branch springs from its parent branch's axis, in radii of the parent branch.
 const OFF_AXIS: f32 = 0.5;
-/// How near to its bearer's surface the way out is looked for, in radii of the branch.
+/// Tolerance of the place where the branch leaves its parent branch's surface, in radii of the
+/// branch.
 const TOLERANCE: f32 = 0.1;
-/// The same of a collar whose branch bends before it is as clear as that.
+/// Distance from the parent branch that ends the collar of a branch that bends before `CLEARANCE`,
+/// in radii of the branch.
 const BARELY: f32 = 0.1;
-/// How near to that clearance a collar ends, in radii of the branch.
+/// Tolerance of the distance at which a collar ends, in radii of the branch.
 const NEAR: f32 = 0.25;
 /// Greatest distance of a branch with a collar from its straight tube, in radii of the branch.
 const WAYWARD: f32 = 0.7;
@@ -101,10 +105,10 @@ impl Collar {
         let wood = axes.wood(bearer);
         let stations = &axes.stations[axis.stations.clone()];
         let mut inside = Inside { number: 0, station: axis.base, near: *base };
-        // Where the first ring is that is out of the bearer, though not clear of it.
+        // The first ring that is out of the parent branch, though not clear of it.
         let mut out = None;
         let mut ring = base.place.ring;
-        // How far a ring is outside of the bearer, less the clearance.
+        // Distance of a ring from the parent branch's surface, less the clearance.
         let mut outside = |position: Vec3, tangent: Vec3, radius: f32| {
             let near = wood.near(position, ring);
             ring = near.place.ring;
@@ -196,7 +200,7 @@ impl Inside {
     }
 }
 
-/// Whether some stations between two others are near the straight way between these.
+/// True if all stations between two others are near the straight way between these.
 fn is_straight(start: &Station, between: &[Station], end: &Station) -> bool {
     between.iter().all(|station| {
         let way = station.position - start.position;
@@ -283,7 +287,8 @@ impl<'a> Bearing<'a> {
         self.wood.surface(self.circle, place, turns, depth)
     }
 
-    /// How deep a collar can be sunk at a place. Between rings that are oblique to each other the bearer is thin.
+    /// Greatest depth of a collar at a place. Between rings that are oblique to each other the
+    /// parent branch is thin.
     fn deepest(&self, place: Place) -> f32 {
         let (below, above) = self.wood.around(place);
         DEEPEST * self.wood.radius(place) * below.tangent.dot(above.tangent).max(0.0)
@@ -337,7 +342,7 @@ impl Way {
         self.from = near.way - offset;
     }
 
-    /// How far from these offsets the way comes out of a straight bearer.
+    /// Estimated distances from these offsets at which the way leaves a straight parent branch.
     fn guesses(&self, offsets: Lanes) -> Vec4 {
         let level = |v: Vec3| v - self.tangent * v.dot(self.tangent);
         let slope = level(self.direction);

@@ -199,12 +199,12 @@ impl Tubes {
     /// Gives branches that taper fewer and fewer squares around, so that texels stay about as large; default
     /// false.
     ///
-    /// By default the number of squares around a branch is the same all along it, and texels shrink in
-    /// proportion to its radius: by a factor of ten and more along a trunk. With this a new number begins at
-    /// the first fork where the branch is thinner than where the last began by a factor of 1.6, that of the
-    /// mean of both ends. There bark does not continue: v does, u does not, which a ring of doubled vertices
-    /// makes possible. That seam lies at a fork, but it may be seen on smooth trunks with strongly drawn
-    /// bark.
+    /// The default number of squares around a branch is the same all along it, and texels shrink in
+    /// proportion to its radius: by a factor of ten and more along a trunk. With even texels a new
+    /// section begins at the first fork where the branch is thinner by a factor of 1.6 than at the
+    /// start of the last one; its number of squares is that of its mean radius. There bark does not
+    /// continue: v does, u does not, which a ring of doubled vertices makes possible. That seam
+    /// lies at a fork, but it may be seen on smooth trunks with strongly drawn bark.
     pub fn with_even_texels(mut self, even: bool) -> Self {
         self.even_texels = even;
         self

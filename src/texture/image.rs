@@ -63,7 +63,7 @@ impl Image {
         self.channels
     }
 
-    /// Whether there is an alpha channel.
+    /// True if there is an alpha channel.
     pub fn has_alpha(&self) -> bool {
         self.channels == 4
     }

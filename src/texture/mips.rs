@@ -4,8 +4,8 @@ use super::Image;
 use super::tone::Tones;
 use crate::math;
 
-/// How much of an image is covered: the share of its pixels whose alpha, times `scale`, is not below `cutoff`; 1 for an
-/// image without alpha.
+/// The share of an image's pixels whose alpha, times `scale`, is not below `cutoff`; 1 for an image
+/// without alpha.
 ///
 /// ```
 /// use treesynth::texture::alpha_coverage;

@@ -82,12 +82,12 @@ impl Textures {
         self.alpha_cutoff
     }
 
-    /// Whether there are holes: an alpha channel and a cutoff.
+    /// True if there are holes: an alpha channel and a cutoff.
     pub fn is_masked(&self) -> bool {
         self.alpha_cutoff.is_some() && self.base_color.as_ref().is_some_and(Image::has_alpha)
     }
 
-    /// Whether it can be written and drawn.
+    /// Checks that they can be written and drawn.
     ///
     /// # Errors
     /// A cutoff outside 0 to 1; maps other than the colour that do not have three channels; a colour of one channel.

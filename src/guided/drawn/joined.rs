@@ -40,7 +40,8 @@ struct Limb<'a> {
     stroke: &'a Stroke,
     number: usize,
     order: u16,
-    /// Where its plane is moved to, and how it leaves it, a metre of its way.
+    /// Offset of its plane in metres (`shift`), and its distance from that plane per metre of its
+    /// way (`lean`).
     shift: Vec3,
     lean: Vec3,
 }

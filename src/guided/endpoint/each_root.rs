@@ -65,8 +65,9 @@ impl EndpointPolicy for AboveEachRoot {
 
 /// Endpoints in a crown of each root's own: a shape that is moved to the root, its places Poisson-disc.
 ///
-/// What lies in the crowns of several roots is the nearest root's, so neighbours share the room between them. Which tree
-/// comes to an endpoint is for the search to say: that whose path costs least. O(n m) for m roots.
+/// Endpoints in the crowns of several roots belong to the nearest root, so neighbours share the
+/// room between them. The search decides which tree reaches an endpoint: the one whose path costs
+/// least. O(n m) for m roots.
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
 pub struct AroundEachRoot<S> {

@@ -1,4 +1,4 @@
-//! Which nodes branches grow to (sections 3.2.2 to 3.2.4).
+//! Policies that choose the nodes to which branches grow (sections 3.2.2 to 3.2.4).
 
 mod each_root;
 mod limb;
@@ -54,8 +54,8 @@ pub trait EndpointPolicy: Send + Sync {
     /// When there are not enough candidates, or for a reason of your own.
     fn select(&self, view: &StageView<'_>) -> Result<Vec<u32>, EndpointError>;
 
-    /// Whether the choice depends on the stage's search. If not, the search stops once all endpoints are
-    /// settled, which is faster and finds the same paths.
+    /// True if the choice depends on the stage's search. If false, the search stops once all
+    /// endpoints are settled, which is faster and finds the same paths.
     fn needs_search(&self) -> bool {
         false
     }
@@ -153,7 +153,8 @@ impl Count {
         if wanted <= available { Ok(wanted) } else { Err(EndpointError::TooFew { wanted, available, place }) }
     }
 
-    /// So many of the candidates, all equally likely: those that draw the lowest numbers, whatever their order.
+    /// This count of the candidates, all equally likely: those that draw the lowest numbers,
+    /// whatever their order.
     fn choose(
         self,
         mut candidates: Vec<u32>,
@@ -211,7 +212,7 @@ impl<'a> StageView<'a> {
         stream(self.seed, self.stage as u32, Purpose::ENDPOINTS, 0)
     }
 
-    /// Whether a path leads to `node`: as far as edges go before the search, for certain after it.
+    /// True if a path leads to `node`: as far as edges go before the search, for certain after it.
     pub fn is_reachable(&self, node: u32) -> bool {
         if self.search.is_complete() {
             self.search.is_settled(node)

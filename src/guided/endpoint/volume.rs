@@ -113,12 +113,12 @@ pub struct InShape<S> {
 }
 
 impl<S> InShape<S> {
-    /// Where endpoints lie.
+    /// Shape in which endpoints lie.
     pub fn shape(&self) -> &S {
         &self.shape
     }
 
-    /// How many endpoints.
+    /// Number of endpoints.
     pub fn count(&self) -> Count {
         self.count
     }
@@ -236,7 +236,7 @@ impl Discs {
         self.cells[cell].push(place);
     }
 
-    /// Whether no place lies within the radius.
+    /// True if no place lies within the radius.
     fn is_free(&self, place: Vec3) -> bool {
         let cell = self.cell_of(place);
         let (low, high) = ((cell - 1).max(IVec3::ZERO), (cell + 1).min(self.dims - 1));

@@ -274,14 +274,14 @@ impl Example {
                 crown: crown.clone(),
                 round: self.round,
             };
-            // Where the first limb is, less what makes room for it to be elsewhere.
+            // The clear bole, less a tenth that leaves the first limb room to be elsewhere.
             let clear = if order == 1 { 0.9 * self.trunk.clear_bole } else { 0.0 };
             let weight = FromOrder { order: order as u16 - 1, clear, price: own.length };
             let mut stage = Stage::new(rule, endpoints).with_weight(weight);
             let models = &self.models[order];
             let at = |share: f32| models[(share * (models.len() - 1) as f32) as usize].length;
             let reach = 1.2 * at(0.95) + 2.0 * spacing;
-            // What lies so near to the tree so far.
+            // Volume within reach of the tree so far.
             let around = (length * std::f32::consts::PI * reach * reach).min(volume);
             let wanted = (at(0.4) / FINE).max(self.internode / EDGE).max(finest(around, 1.5 * nodes as f32));
             if wanted < 0.75 * spacing {

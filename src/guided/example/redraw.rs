@@ -9,8 +9,8 @@ use crate::skeleton::{Skeleton, SkeletonError};
 use glam::{Mat3, Vec3};
 use rand::RngExt;
 
-/// What a graph cannot give: nodes stand off each other by its spacing, so that first internodes stand out wide, and paths
-/// wind.
+/// Traits of an example that a graph cannot give: its nodes keep their spacing, so that first
+/// internodes stand out wide, and paths wind.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Redraw {
     /// Metres, by order.

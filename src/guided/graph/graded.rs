@@ -65,12 +65,12 @@ pub struct GradedYao<S, F> {
 }
 
 impl<S, F> GradedYao<S, F> {
-    /// What [`with_roots`](Self::with_roots) sets, if it was called.
+    /// Roots from [`with_roots`](Self::with_roots), if it was called.
     pub fn roots(&self) -> Option<&[Vec3]> {
         self.roots.as_deref()
     }
 
-    /// What [`with_leaders`](Self::with_leaders) sets.
+    /// Leaders from [`with_leaders`](Self::with_leaders).
     pub fn leaders(&self) -> &[Leader] {
         &self.leaders
     }

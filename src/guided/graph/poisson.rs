@@ -47,22 +47,22 @@ pub struct PoissonYao<S> {
 }
 
 impl<S> PoissonYao<S> {
-    /// What [`with_roots`](Self::with_roots) sets, if it was called.
+    /// Roots from [`with_roots`](Self::with_roots), if it was called.
     pub fn roots(&self) -> Option<&[Vec3]> {
         self.roots.as_deref()
     }
 
-    /// What [`with_leaders`](Self::with_leaders) sets.
+    /// Leaders from [`with_leaders`](Self::with_leaders).
     pub fn leaders(&self) -> &[Leader] {
         &self.leaders
     }
 
-    /// What each [`with_tree`](Self::with_tree) has added.
+    /// Trees from each [`with_tree`](Self::with_tree).
     pub fn trees(&self) -> &[Skeleton] {
         &self.trees
     }
 
-    /// What [`with_nodes`](Self::with_nodes) sets; `None` where it was the spacing.
+    /// Number of nodes from [`with_nodes`](Self::with_nodes); `None` if the spacing was given.
     pub fn nodes(&self) -> Option<usize> {
         if let Size::Nodes(nodes) = self.size { Some(nodes) } else { None }
     }
@@ -165,7 +165,7 @@ impl<S: Shape> PoissonYao<S> {
         self
     }
 
-    /// Where nodes lie.
+    /// Region in which nodes lie.
     pub fn region(&self) -> &S {
         &self.region
     }

@@ -265,7 +265,7 @@ fn octants(x: Vec4, y: Vec4, z: Vec4) -> [usize; LANES] {
     std::array::from_fn(|i| (x >> i & 1 | (y >> i & 1) << 1 | (z >> i & 1) << 2) as usize)
 }
 
-/// Whether no point of the box is in the octant of `from`. Exact: signs survive subtraction.
+/// True if no point of the box is in the octant of `from`. Exact: signs survive subtraction.
 #[inline]
 fn outside_octant(octant: usize, from: Vec3, min: Vec3, max: Vec3) -> bool {
     let low = BVec3::new(octant & 1 != 0, octant & 2 != 0, octant & 4 != 0);

@@ -1,6 +1,7 @@
 //! The octree of a solid's parts: a cube is split when the first ray enters it.
 //!
-//! How a cube is split follows from the cube alone, so it does not matter which thread's ray came first.
+//! The split of a cube depends on the cube alone, so it does not matter which thread's ray came
+//! first.
 
 use super::super::camera::View;
 use crate::Bounds;
@@ -69,7 +70,7 @@ pub(super) struct Leaf<P> {
     pub(super) lipschitz: f32,
     /// To within which roots are wanted, metres.
     pub(super) tolerance: f32,
-    /// What many primitives add to the work of a value there.
+    /// Work of a value there because of many primitives, in values of [`CROWD`] primitives.
     pub(super) crowd: usize,
 }
 
@@ -116,12 +117,12 @@ impl<'a, S: Solid> Octree<'a, S> {
         octree
     }
 
-    /// Whether more cubes were needed than were allowed: what has been found is of no use then.
+    /// True if more cubes were needed than were allowed: results are of no use then.
     pub(super) fn is_full(&self) -> bool {
         self.cubes.load(Ordering::Relaxed) > self.most
     }
 
-    /// Whether crowds of primitives made more work than was allowed: what has been found is of no use then.
+    /// True if crowds of primitives made more work than was allowed: results are of no use then.
     pub(super) fn is_crowded(&self) -> bool {
         self.work.load(Ordering::Relaxed) > self.most_work
     }

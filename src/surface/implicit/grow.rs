@@ -67,7 +67,7 @@ struct Setting<'a, S> {
     count: &'a Count,
 }
 
-/// How much there is of all threads, so that any of them notices when it is too much.
+/// Totals over all threads, so that any of them notices when they exceed the limits.
 struct Count {
     /// The greatest number of blocks, and how many there are.
     most: usize,

@@ -9,9 +9,9 @@ use crate::texture::Tones;
 use crate::texture::{Image, TextureError, Textures};
 use glam::Vec4;
 
-/// Cells a side of the coarse grid by which hollows are told from tops.
+/// Cells per side of the coarse grid that tells hollows from tops.
 const COARSE: usize = 64;
-/// How much of the light of the sky is missing in a hollow as deep as the tile's whole depth.
+/// Darkening of a hollow as deep as the tile's whole depth, as a share of the light of the sky.
 const SHADING: f32 = 1.1;
 /// Rounds in which the mean colour is brought to what was asked for; more than one only where colours are cut off at white.
 const ROUNDS: usize = 6;
@@ -208,7 +208,7 @@ impl Coarse {
         Self { side, heights }
     }
 
-    /// Where a pixel of `pixels` a side is, along either.
+    /// Place of a pixel between the grid's cells, along either axis, for `pixels` per side.
     fn between(&self, pixel: usize, pixels: usize) -> Between {
         let at = (pixel as f32 + 0.5) * self.side as f32 / pixels as f32 + self.side as f32 - 0.5;
         let whole = at as usize;

@@ -94,12 +94,13 @@ pub struct BarkSet {
 
 /// A tile of bark that continues into itself on all sides: u runs around the branch, v along it.
 ///
-/// What it guarantees: opposite edges continue, for the noise it is made of has the tile as its period; normals have unit
-/// length within the 8 bits of a channel and are the slopes of the heights; the mean of the base colour, as light, is the
-/// [colour](Self::with_color) asked for, unless it is out of reach (a spread so wide that half of the pixels would have to
-/// be brighter than white); the same options give the same bytes on every platform and at every thread count.
+/// Guarantees: opposite edges continue, since the noise has the tile as its period; normals have
+/// unit length within the 8 bits of a channel and are the slopes of the heights; the mean of the
+/// base colour, as light, is the [colour](Self::with_color) asked for, unless it is out of reach (a
+/// spread so wide that half of the pixels would have to be brighter than white); the same options
+/// give the same bytes on every platform and at every thread count.
 ///
-/// O(resolution²) time: 0.25 to 0.5 s for 1024 x 1024 on one thread. Memory while it is made: 36 bytes a pixel.
+/// O(resolution²) time: 0.25 to 0.5 s for 1024 x 1024 on one thread. Memory while it is made: 36 bytes per pixel.
 ///
 /// ```
 /// use treesynth::texture::Bark;
@@ -287,7 +288,7 @@ impl Bark {
         self
     }
 
-    /// What it does as it grows.
+    /// The kind of bark, by its growth.
     pub fn kind(&self) -> BarkKind {
         self.kind
     }
@@ -349,7 +350,7 @@ impl Bark {
         self.depth * (0.12 + 0.88 * self.age)
     }
 
-    /// How much its hollows are in the dark: 1 where fissures are as deep as wide.
+    /// Darkness of its hollows: 1 where fissures are as deep as wide.
     fn hollows(&self) -> f32 {
         (self.relief() / self.size * 25.0).min(1.2)
     }

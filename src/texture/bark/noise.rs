@@ -13,7 +13,8 @@ fn fade(t: Vec4) -> Vec4 {
     t * t * t * (t * (t * 6.0 - 15.0) + 10.0)
 }
 
-/// Where places are on a lattice that repeats after so many cells: the number of the cell, and the way into it.
+/// Places on a lattice that repeats after `cells` cells: the number of the cell, and the way into
+/// it.
 #[inline]
 pub(super) fn cell(x: Vec4, cells: f32) -> (Vec4, Vec4) {
     let x = fraction(x) * cells;
@@ -109,7 +110,7 @@ fn transposed_pairs(pairs: &[Vec2]) -> [Vec4; 2] {
     [Vec4::new(a.x, b.x, c.x, d.x), Vec4::new(a.y, b.y, c.y, d.y)]
 }
 
-/// Where the pixels of every row are on a lattice.
+/// Places on a lattice of the pixels of every row.
 #[derive(Debug)]
 struct Steps {
     /// The place of each one's cell in a row of pairs.
