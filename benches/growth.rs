@@ -80,7 +80,7 @@ fn main() {
             "leaves",
             "ms",
             "goal, ms",
-            "ns an internode",
+            "ns per internode",
             "copy of the skeleton, ms",
             "timeline at nine tenths, ms",
         ],

@@ -103,7 +103,7 @@ fn beside_an_array(group: &mut BenchmarkGroup<'_, WallTime>, samples: &mut Sampl
     }
     print_table(
         &format!("A rod within {ARRAY} voxels along each side, one thread:"),
-        &["", "ms", "triangles", "ns a triangle", "ours / theirs"],
+        &["", "ms", "triangles", "ns per triangle", "ours / theirs"],
         &rows,
     );
 }
@@ -120,7 +120,7 @@ fn main() {
     let cases = [
         ("a voxel a radius", surface.clone()),
         ("longer triangles", surface.clone().with_error(0.15)),
-        ("0.87 voxels a radius", surface.with_detail(0.87)),
+        ("0.87 voxels per radius", surface.with_detail(0.87)),
     ];
     let mut samples = Samples::default();
     let mut group = measure::group(&mut criterion, "implicit");
@@ -161,7 +161,7 @@ fn main() {
             "two for 21,000 / goal",
             "vertices",
             "mesh, MB",
-            "million vertices a second",
+            "million vertices per second",
         ],
         &rows,
     );

@@ -66,7 +66,7 @@ fn print_steps(samples: &Samples, title: &str, nodes: usize, stages: usize) {
         })
         .collect();
     rows.push(row("whole", whole, whole, nodes, samples.median(REUSED)));
-    print_table(title, &["step", "ms", "share", "ns a node", "ms, search reused"], &rows);
+    print_table(title, &["step", "ms", "share", "ns per node", "ms, search reused"], &rows);
 }
 
 fn row(step: &str, time: f64, whole: f64, nodes: usize, reused: Option<f64>) -> Vec<String> {

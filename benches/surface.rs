@@ -1,4 +1,4 @@
-//! The surface of a tree at 8 sides: milliseconds, and vertices a second.
+//! The surface of a tree at 8 sides: milliseconds, and vertices per second.
 
 mod measure;
 
@@ -74,7 +74,7 @@ fn main() {
             "Preset {PRESET}, {} segments, one thread but where it is said, medians:",
             count(tree.segments())
         ),
-        &["", "ms", "ms for 21,000", "... / goal", "vertices", "triangles", "million vertices a second"],
+        &["", "ms", "ms for 21,000", "... / goal", "vertices", "triangles", "million vertices per second"],
         &rows,
     );
 }

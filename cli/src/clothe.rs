@@ -42,7 +42,7 @@ pub(crate) struct Clothes {
     #[arg(long, value_enum, default_value = "tubes", value_name = "KIND")]
     pub(crate) surface: Surface,
     /// Voxels a radius of the closed surface, 0.867 to 64 [default: 1]
-    #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = number(0.867..=64.0_f32, "voxels a radius"))]
+    #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = number(0.867..=64.0_f32, "voxels per radius"))]
     pub(crate) detail: Option<f32>,
 }
 

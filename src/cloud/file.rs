@@ -56,7 +56,7 @@ fn fields(line: &[u8]) -> Vec<&[u8]> {
 
 impl Cloud {
     /// Reads the positions `x`, `y`, `z` of the element `vertex` of a PLY file: text or binary of either byte order, of any kind
-    /// of number; everything else is passed over. No count in the header is believed. 24 bytes a point beside the cloud.
+    /// of number; everything else is passed over. No count in the header is believed. 24 bytes per point beside the cloud.
     ///
     /// # Errors
     /// A frame out of range; what cannot be read, by the line or byte; lines of a text with more numbers than its header

@@ -90,7 +90,7 @@ fn las_places(reader: impl Read + Seek + Send + Sync + 'static) -> Result<Vec<DV
 }
 
 impl Cloud {
-    /// Reads the positions of all points of a LAS or LAZ file, versions 1.0 to 1.4; everything else is passed over. 24 bytes a point
+    /// Reads the positions of all points of a LAS or LAZ file, versions 1.0 to 1.4; everything else is passed over. 24 bytes per point
     /// beside the cloud. Where compressed points are damaged, the decoder's panic is caught: its message goes to standard error,
     /// and a program built with `panic = "abort"` ends.
     ///
@@ -150,7 +150,7 @@ impl Cloud {
     }
 
     /// Reads all scans of an E57 file, each moved to where its pose puts it. Points that are marked as invalid are left out, and
-    /// everything but positions is passed over. 24 bytes a point beside the cloud.
+    /// everything but positions is passed over. 24 bytes per point beside the cloud.
     ///
     /// # Errors
     /// A frame out of range; what cannot be read, by the scan's number; points that are not finite or too far off.

@@ -19,7 +19,7 @@ use crate::shape::{Bounds, LARGEST};
 
 /// Points in metres and +Y up, and what was taken off their coordinates in the file.
 ///
-/// Memory: 12 bytes a point.
+/// Memory: 12 bytes per point.
 ///
 /// ```
 /// use treesynth::{cloud::Cloud, glam::Vec3};

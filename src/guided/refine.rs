@@ -21,7 +21,7 @@ use std::sync::Arc;
 /// node in each octant within three spacings; in the plane z = 0 if all nodes of the graph before lie in it. Policies and rules see the same traits as ever; lengths of hops
 /// shrink with the spacing.
 ///
-/// Memory: about 100 bytes a node of the new graph. Time: as for a graph and a search of that many nodes.
+/// Memory: about 100 bytes per node of the new graph. Time: as for a graph and a search of that many nodes.
 ///
 /// ```
 /// use treesynth::glam::Vec3;

@@ -17,7 +17,7 @@ pub(super) const NONE: u32 = u32::MAX;
 ///
 /// A tree begins as the root alone. Each stage searches paths from all nodes of the trees, and the paths to some
 /// endpoints become part of them. A value can be used for many trees on one graph: what it holds is allocated once,
-/// 36 bytes a node; a refinement brings a graph and memory of its own.
+/// 36 bytes per node; a refinement brings a graph and memory of its own.
 #[derive(Debug, Clone)]
 pub struct Search<'g> {
     /// The graph that every new tree begins in.

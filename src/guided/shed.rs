@@ -6,7 +6,7 @@ use crate::skeleton::{Skeleton, SkeletonError};
 /// Takes branches away that bear less than their length deserves, as trees do with limbs in deep shade.
 ///
 /// A branch ends at its last fork if more than the [bare end](Self::with_bare_end) lies beyond it, and falls whole, with
-/// all it bears, if it has none or fewer tips a metre of its axis than the [least density](Self::with_least_density). What
+/// all it bears, if it has none or fewer tips per metre of its axis than the [least density](Self::with_least_density). What
 /// that makes bare falls too. The trunk stays.
 ///
 /// ```
@@ -50,7 +50,7 @@ impl Shedding {
         self
     }
 
-    /// The fewest tips a metre of a branch longer than the bare end, at least 0.
+    /// The fewest tips per metre of a branch longer than the bare end, at least 0.
     pub fn with_least_density(mut self, tips: f32) -> Self {
         self.least_density = tips;
         self

@@ -179,7 +179,7 @@ const GROWN: &[Grown] = &[
     .like(look::CHESTNUT, || Leaf::palmate().with_petiole(0.7)),
 ];
 
-/// Figure 8: two branches a year in one plane, straight, none scaled, none lost.
+/// Figure 8: two branches per year in one plane, straight, none scaled, none lost.
 fn lengths() -> Result<Architecture, ParameterError> {
     Ok(Architecture::cottonwood()
         .with_most_order(1)

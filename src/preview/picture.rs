@@ -11,7 +11,7 @@ pub(super) const LONGEST_SIDE: u32 = 16_384;
 /// Most pixels of a picture: 192 MiB.
 pub(super) const MOST_PIXELS: u64 = 1 << 26;
 
-/// An RGB picture with 8 bits a channel, sRGB, opaque unless it is drawn otherwise. x goes right, y goes down, (0, 0) is the upper left corner of the
+/// An RGB picture with 8 bits per channel, sRGB, opaque unless it is drawn otherwise. x goes right, y goes down, (0, 0) is the upper left corner of the
 /// upper left pixel.
 ///
 /// Whatever is drawn outside is cut off.
@@ -285,7 +285,7 @@ pub(super) fn check_size(of: &str, width: u32, height: u32) -> Result<(), Parame
     let holds = sides.contains(&width)
         && sides.contains(&height)
         && u64::from(width) * u64::from(height) <= MOST_PIXELS;
-    let range = "1 to 16384 pixels a side and at most 67108864 pixels";
+    let range = "1 to 16384 pixels per side and at most 67108864 pixels";
     ParameterError::unless(holds, &format!("{of}.size"), (width, height), range)
 }
 

@@ -31,7 +31,7 @@ pub(super) struct ShadowMap {
     right: Vec3,
     up: Vec3,
     sun: Vec3,
-    /// Column, row and nearness of the map's corner nearest the sun, and texels a metre.
+    /// Column, row and nearness of the map's corner nearest the sun, and texels per metre.
     corner: Vec3,
     scale: f32,
     depth: Vec<f32>,

@@ -187,7 +187,7 @@ pub struct Limbs {
     pub forks_angle: f32,
     /// Greatest radius of a limb over that of its stem.
     pub thickest: f32,
-    /// Dead limbs a metre of stem below the crown: in the open, and crowded in a stand.
+    /// Dead limbs per metre of stem below the crown: in the open, and crowded in a stand.
     pub dead: [f32; 2],
 }
 

@@ -4,7 +4,7 @@ use super::{Instance, Wind};
 use crate::shape::Bounds;
 use glam::{Vec2, Vec3, Vec4};
 
-/// A triangle mesh in metres: vertices with a normal each, and three indices a triangle, counter-clockwise seen
+/// A triangle mesh in metres: vertices with a normal each, and three indices per triangle, counter-clockwise seen
 /// from outside.
 ///
 /// The fields are public, so that any engine's buffers can be filled from them and any mesh can be put in.

@@ -191,7 +191,7 @@ impl GlbOptions {
             true,
             "false with a breeze, whose bones are in metres",
         )?;
-        let range = "falling numbers from 1 to 0, one a level, or none";
+        let range = "falling numbers from 1 to 0, one per level, or none";
         ParameterError::unless(holds, "GlbOptions.coverages", coverages, range)?;
         let origin = self.origin;
         ParameterError::unless(origin.is_finite(), "GlbOptions.origin", origin, "finite, metres")

@@ -51,7 +51,7 @@ crate::recipe::readable!(LimbSurface { bare_base: f32, least_order: u16 });
 
 impl LimbSurface {
     /// One endpoint, `hops` edges off the tree, for every `spacing` metres of each branch, the trunk included; at least
-    /// one a branch where there are candidates. Finite and above 0.
+    /// one per branch where there are candidates. Finite and above 0.
     pub fn new(hops: u32, spacing: f32) -> Self {
         Self { surface: Surface::new(hops, 1.0), spacing, bare_base: 0.0, least_order: 0 }
     }

@@ -19,7 +19,7 @@ use std::sync::Arc;
 /// coarse elsewhere.
 ///
 /// r is the largest function that is nowhere above the sizing field and changes by at most the *grading* along each
-/// axis, metre for metre, both on a lattice of about two points a node; [`spacing`](Self::spacing) tells it. Two nodes
+/// axis, metre for metre, both on a lattice of about two points per node; [`spacing`](Self::spacing) tells it. Two nodes
 /// p and q are at least min(r(p), r(q)) apart, and no ball of radius 2 r(c) around a point c inside the region is
 /// empty, by construction: see `Tile::sweep` in `leaf.rs`. Edges lead to the nearest node in each sector, exactly, if
 /// it lies within 3 r(p) of their start p (for more than 8 sectors as far as in [`PoissonYao`](super::PoissonYao)).

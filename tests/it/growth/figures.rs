@@ -74,7 +74,7 @@ fn figure_8_rounder_contours() {
         young < 0.33 && young + 0.05 < middle && middle + 0.05 < old && old > 0.45,
         "{young} {middle} {old}"
     );
-    // Two branches a year on a trunk of so many years, none lost.
+    // Two branches per year on a trunk of so many years, none lost.
     assert_eq!(limbs(&growth.at(27.0).expect("a tree")).len(), 2 * 26);
 }
 
