@@ -1,4 +1,4 @@
-//! Graphs of varying spacing beside one of a single spacing and as many nodes, one thread, in time a node.
+//! Graphs of varying spacing beside one of a single spacing and as many nodes, one thread, in time per node.
 
 mod measure;
 

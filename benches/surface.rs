@@ -23,8 +23,8 @@ fn main() {
     let eight = Tubes::default().with_sides(8).with_least_sides(8);
     let plain = eight.clone().with_turn(7.0).with_collars(false).with_root_flare(0.0);
     let cases = [
-        ("a ring a node", plain.clone()),
-        ("a ring a node, collars", plain.with_collars(true)),
+        ("one ring per node", plain.clone()),
+        ("one ring per node, collars", plain.with_collars(true)),
         ("a ring every 20°, collars, root flare", eight.clone()),
         ("the same with wind weights", eight.with_wind(true)),
         ("default: 12 to 4 sides", Tubes::default()),

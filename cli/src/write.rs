@@ -33,7 +33,7 @@ pub(crate) enum Format {
     Svg,
     /// The skeleton as JSON, every number whole
     Json,
-    /// The skeleton as SWC: a row a node
+    /// The skeleton as SWC: one row per node
     Swc,
     /// The skeleton as a QSM table, .csv: a row a cylinder
     Qsm,

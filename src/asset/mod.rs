@@ -49,7 +49,7 @@ impl From<FoliageError> for AssetError {
     }
 }
 
-/// Why there is no asset.
+/// Error of building an asset.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum AssetError {

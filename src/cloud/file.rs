@@ -37,7 +37,7 @@ impl From<Fault> for CloudError {
     }
 }
 
-/// True for a byte that separates numbers of a text.
+/// `true` for a byte that separates numbers of a text.
 fn is_between(byte: u8) -> bool {
     byte.is_ascii_whitespace() || matches!(byte, 0 | 0x0B)
 }

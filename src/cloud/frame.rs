@@ -127,7 +127,7 @@ impl Frame {
         self.number(metres, 0.0)
     }
 
-    /// True if numbers are written as they are.
+    /// `true` if numbers are written as they are.
     pub(crate) fn is_short(&self) -> bool {
         self.is_metric() && self.offset.unwrap_or_default() == DVec3::ZERO
     }

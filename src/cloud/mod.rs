@@ -34,7 +34,7 @@ pub struct Cloud {
     offset: DVec3,
 }
 
-/// Why there is no cloud.
+/// Error of making, reading or writing a cloud.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum CloudError {
@@ -120,7 +120,7 @@ impl Cloud {
         self.points.len()
     }
 
-    /// True if there are no points.
+    /// `true` if there are no points.
     pub fn is_empty(&self) -> bool {
         self.points.is_empty()
     }
@@ -148,7 +148,7 @@ impl Cloud {
     }
 }
 
-/// The cube of a point, as one number: 42 bits an axis, enough for 1e6 m in steps of 1e-6 m.
+/// The cube of a point, as one number: 42 bits per axis, enough for 1e6 m in steps of 1e-6 m.
 pub(crate) fn cube(point: Vec3, side: f32) -> u128 {
     let [x, y, z] =
         (point.as_dvec3() / f64::from(side)).floor().to_array().map(|at| (at as i64 + (1 << 41)) as u128);

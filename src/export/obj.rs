@@ -145,7 +145,7 @@ pub fn mtl_images<'a>(parts: &[Part<'a>]) -> Vec<super::ImageFile<'a>> {
     Uses::of(parts, MAPS).files()
 }
 
-/// A word a part, no two alike.
+/// One word per part, no two alike.
 fn names(parts: &[Part<'_>]) -> Vec<String> {
     let mut names: Vec<String> = Vec::new();
     for part in parts {

@@ -51,7 +51,7 @@ pub struct Trees {
     pub inserted: usize,
     /// The farthest that a cylinder of a QSM begins from where its parent's axis is, metres.
     pub widest_gap: f64,
-    /// True if the file gave branch orders that are those of a [`Skeleton`]; if false, they are
+    /// `true` if the file gave branch orders that are those of a [`Skeleton`]; if false, they are
     /// computed.
     pub has_orders: bool,
 }

@@ -85,7 +85,7 @@ struct Cursor {
     node: Option<usize>,
     /// A coarser vertex began a lateral, whose first node is to come.
     is_lateral: bool,
-    /// True once there is a vertex.
+    /// `true` once there is a vertex.
     begun: bool,
 }
 

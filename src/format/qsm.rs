@@ -270,7 +270,7 @@ fn nodes_of(rows: &[Row], cylinders: &[Cylinder], sorted: &Sorted) -> (Vec<Node>
 /// Writes the least table that `rTwig`'s users agreed on: `ID, parentID, startX, startY, startZ, endX, endY, endZ, radius, length,
 /// branchOrder, branchID, segmentID, parentSegmentID`.
 ///
-/// A row an internode, in the order of the nodes: number, branch and segment from 1, the parents' 0 where there is none. A segment
+/// One row per internode, in the order of the nodes: number, branch and segment from 1, the parents' 0 where there is none. A segment
 /// is the way from one fork to the next. O(n).
 ///
 /// # Errors

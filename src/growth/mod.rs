@@ -37,7 +37,7 @@ use thickness::Thickness;
 /// The most nodes unless it is said otherwise: some 400 MB.
 const MOST_NODES: u32 = 4_000_000;
 
-/// Why there is no tree of an age.
+/// Error of growing a tree to an age.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum GrowthError {

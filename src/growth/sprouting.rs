@@ -154,7 +154,7 @@ impl<'a> Builder<'a> {
         Ok(())
     }
 
-    /// True if a branch lives in a year, if only at its beginning.
+    /// `true` if a branch lives in a year, if only at its beginning.
     fn is_living(&self, axis: usize, year: u16) -> bool {
         self.axes[axis].died > f32::from(year - 1)
     }
@@ -242,7 +242,7 @@ impl<'a> Builder<'a> {
         }
     }
 
-    /// True if a branch forks at the end of the shoot before `year`.
+    /// `true` if a branch forks at the end of the shoot before `year`.
     fn forks(&self, parent: usize, year: u16) -> bool {
         let id = (parent as u64) << 16 | u64::from(year);
         unit(self.seed, Draw::Fork as u32, Purpose::GROWTH, id) < self.architecture.forking
@@ -360,8 +360,8 @@ impl<'a> Builder<'a> {
         Structure { axes, shoots, borne, borne_starts: starts, years, refused, nodes }
     }
 }
-/// The least angle between two metamers' laterals about the axis when so many steps lie between them and so many laterals
-/// stand at each, radians, 0 to π.
+/// The least angle about the axis between two metamers' laterals, radians, 0 to π: `steps` metamers
+/// apart, with `whorl` laterals at each.
 fn apart(steps: u32, divergence: f32, whorl: u16) -> f32 {
     let turn = std::f64::consts::TAU / f64::from(whorl);
     let angle = (f64::from(steps) * f64::from(divergence)).rem_euclid(turn);

@@ -30,7 +30,7 @@ pub(super) struct Axis {
     pub(super) bearer: u32,
     /// Number within the whorl at that metamer, from 0.
     pub(super) place: u16,
-    /// True if it is half of a fork: as long as the rest of its parent branch, which leans the
+    /// `true` if it is half of a fork: as long as the rest of its parent branch, which leans the
     /// other way.
     pub(super) is_twin: bool,
     pub(super) order: u16,

@@ -53,7 +53,7 @@ impl Context<'_> {
         }
     }
 
-    /// True if an edge leads from `node` to the tree.
+    /// `true` if an edge leads from `node` to the tree.
     pub(super) fn is_beside_tree(&self, node: u32) -> bool {
         match *self {
             Self::Search(search) => {

@@ -67,7 +67,7 @@ pub struct Regrowth<'g> {
     bare: Search<'g>,
     trees: Vec<Growth>,
     anew: usize,
-    /// A bit a node, all of them off between uses.
+    /// One bit per node, all of them off between uses.
     joined: Vec<u64>,
 }
 

@@ -165,7 +165,7 @@ struct Repair<'a, 'g> {
     list: Vec<u32>,
     /// Opened or changed, and what hangs on it not yet seen to.
     stack: Vec<u32>,
-    /// True while a search from nothing would have taken the same ways for certain, and this is
+    /// `true` while a search from nothing would have taken the same ways for certain, and this is
     /// faster.
     is_clear: bool,
     anew: usize,
@@ -300,7 +300,7 @@ impl Repair<'_, '_> {
         }
     }
 
-    /// True if cost and vector of a node are final.
+    /// `true` if cost and vector of a node are final.
     fn is_final(&self, node: u32) -> bool {
         self.state[node as usize] != State::Open && self.search.is_settled(node)
     }
@@ -333,7 +333,7 @@ impl Repair<'_, '_> {
         Ok(())
     }
 
-    /// True if a search from nothing takes this way rather than the known one: it is cheaper, or
+    /// `true` if a search from nothing takes this way rather than the known one: it is cheaper, or
     /// costs the same and its start is settled first.
     fn is_better(&mut self, from: u32, to: u32, through: f32) -> bool {
         let (known, before) = (self.search.costs[to as usize], self.search.parents[to as usize]);

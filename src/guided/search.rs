@@ -31,7 +31,7 @@ pub struct Search<'g> {
     pub(super) guides: Vec<Guide>,
     /// Index in `tree`, or `NONE`.
     pub(super) place: Vec<u32>,
-    /// A bit a node.
+    /// One bit per node.
     pub(super) on_tree: Vec<u64>,
     /// Nodes of the trees, each after its parent.
     pub(super) tree: Vec<u32>,
@@ -46,7 +46,7 @@ pub struct Search<'g> {
     /// Set when a weight has asked in a stage what lies beside the tree.
     pub(super) asked_beside: OnceLock<()>,
     pub(super) queue: Queue,
-    /// A bit a node: the search stops when all of these are settled.
+    /// One bit per node: the search stops when all of these are settled.
     pub(super) wanted: Vec<u64>,
     pub(super) complete: bool,
     /// Nothing is known of nodes off the tree.
@@ -311,7 +311,7 @@ impl<'g> Search<'g> {
         &self.stages
     }
 
-    /// True if `node` is on the tree.
+    /// `true` if `node` is on the tree.
     ///
     /// # Panics
     /// As all methods that take a node: when there is no such node.
@@ -332,13 +332,13 @@ impl<'g> Search<'g> {
         Some(self.place[node as usize]).filter(|&place| place != NONE).map(|place| place as usize)
     }
 
-    /// True if the latest search went to its end, so that nodes that are not settled cannot be
+    /// `true` if the latest search went to its end, so that nodes that are not settled cannot be
     /// reached.
     pub fn is_complete(&self) -> bool {
         self.complete
     }
 
-    /// True if the latest search has settled `node`: its cost and path are final.
+    /// `true` if the latest search has settled `node`: its cost and path are final.
     #[inline]
     pub fn is_settled(&self, node: u32) -> bool {
         !self.guides[node as usize].vector.x.is_nan()

@@ -175,7 +175,7 @@ pub struct Growth {
     pub graph: Option<Arc<Graph>>,
 }
 
-/// Why there is no tree.
+/// Error of growing trees by guided synthesis.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum SynthesisError {
@@ -268,7 +268,7 @@ impl TreeSynth {
         self
     }
 
-    /// True if a stage refines.
+    /// `true` if a stage refines.
     pub fn refines(&self) -> bool {
         self.stages.iter().any(|stage| stage.refinement.is_some())
     }

@@ -52,7 +52,7 @@ pub enum Found {
     Species(&'static Species),
 }
 
-/// Why there is no such preset.
+/// Error of finding a preset.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
 pub enum PresetError {

@@ -22,7 +22,7 @@ pub struct Grown {
     pub ages: &'static [f32],
     /// The seed of its pictures.
     pub seed: u64,
-    /// True if it lies in the plane z = 0, for a drawing.
+    /// `true` if it lies in the plane z = 0, for a drawing.
     pub planar: bool,
     architecture: fn() -> Result<Architecture, ParameterError>,
     look: Look,

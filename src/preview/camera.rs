@@ -89,7 +89,7 @@ impl Camera {
         self
     }
 
-    /// Goes on by so many radians about the up axis.
+    /// Turned on by this angle about the up axis, radians.
     pub(super) fn turned(self, angle: f32) -> Self {
         let azimuth = self.azimuth + angle;
         self.with_azimuth(azimuth)
@@ -278,7 +278,7 @@ impl View {
         }
     }
 
-    /// True if nearness is one over the depth, so that only values divided by the depth are linear
+    /// `true` if nearness is one over the depth, so that only values divided by the depth are linear
     /// over the picture.
     pub(super) fn is_perspective(&self) -> bool {
         self.perspective

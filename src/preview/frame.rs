@@ -1,7 +1,7 @@
 //! From triangles to pixels, a strip of rows at a time.
 //!
 //! Each strip holds for every sample the nearest triangle and its nearness. Only when all are in is anything
-//! shaded, once a pixel and triangle. Thin triangles (see [`raster`]) are laid over the pixels by their area.
+//! shaded, once per pixel and triangle. Thin triangles (see [`raster`]) are laid over the pixels by their area.
 
 mod cast;
 mod soft;
@@ -68,7 +68,7 @@ pub(super) struct Frame<'a> {
     solid: Option<&'a dyn Cast>,
     /// Height of the ground, and the middle and radius of the disc of it that is drawn.
     ground: Option<(Vec3, f32)>,
-    /// True if something is below the ground.
+    /// `true` if something is below the ground.
     buries: bool,
     projected: Vec<Vec<Vec3>>,
     facets: Vec<Facet>,

@@ -36,7 +36,7 @@ use std::f32::consts::TAU;
 /// Farther out than this, in metres, products of coordinates leave the range of 32-bit floats.
 const FARTHEST: f32 = 1e9;
 
-/// Why there is no picture.
+/// Error of drawing a picture.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum PreviewError {
@@ -147,7 +147,7 @@ impl Preview {
         (self.width, self.height)
     }
 
-    /// True if the ground is shown, from [`with_ground`](Self::with_ground).
+    /// `true` if the ground is shown, from [`with_ground`](Self::with_ground).
     pub fn ground(&self) -> bool {
         self.shows_ground
     }
@@ -157,7 +157,7 @@ impl Preview {
         self.ground
     }
 
-    /// True if the background is transparent, from [`with_transparency`](Self::with_transparency).
+    /// `true` if the background is transparent, from [`with_transparency`](Self::with_transparency).
     pub fn transparency(&self) -> bool {
         self.transparent
     }

@@ -226,8 +226,8 @@ impl Picture {
         write_frames(std::slice::from_ref(self), None, writer)
     }
 
-    /// Writes pictures of one size as one PNG file that shows them in turn for ever (APNG), each so many milliseconds
-    /// long. A program that knows no animation shows the first.
+    /// Writes pictures of one size as one PNG file that shows them in turn for ever (APNG), each
+    /// for this number of milliseconds. A program that knows no animation shows the first.
     ///
     /// # Errors
     /// No pictures, or such as differ in size or of which only some are transparent; whatever the writer returns.

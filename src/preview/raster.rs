@@ -17,7 +17,7 @@ pub(super) fn double_area([a, b, c]: [Vec3; 3]) -> f32 {
     (b - a).xy().perp_dot((c - a).xy())
 }
 
-/// True if a triangle's height over its longest edge is less than `width` samples.
+/// `true` if a triangle's height over its longest edge is less than `width` samples.
 #[inline]
 pub(super) fn is_thin(corners: [Vec3; 3], width: f32) -> bool {
     let [a, b, c] = corners.map(Vec3::xy);
@@ -236,7 +236,7 @@ mod tests {
         }
     }
 
-    /// True if a place is beside the middle part of an edge.
+    /// `true` if a place is beside the middle part of an edge.
     fn inside_well(x: f32, y: f32, a: Vec3, b: Vec3) -> bool {
         let t = (Vec2::new(x, y) - a.xy()).dot((b - a).xy()) / (b - a).xy().length_squared();
         (0.1..=0.9).contains(&t)

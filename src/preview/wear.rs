@@ -28,7 +28,7 @@ pub(super) struct Footprint {
 struct Map<'a> {
     base: &'a Image,
     smaller: Vec<Image>,
-    /// True if colours are sRGB.
+    /// `true` if colours are sRGB.
     is_color: bool,
 }
 
@@ -70,14 +70,14 @@ impl<'a> Map<'a> {
         between(between(a, b, near.across), between(c, d, near.across), near.down)
     }
 
-    /// The level in which something is so many halvings from the image, and how far it is to the next one.
+    /// The level this many halvings from the image, and the fraction of the way to the next one.
     #[inline]
     fn levels(&self, halvings: f32) -> (usize, f32) {
         let halvings = halvings.clamp(0.0, self.smaller.len() as f32);
         (halvings as usize, halvings - (halvings as usize) as f32)
     }
 
-    /// Between two levels, so many halvings from the image itself.
+    /// Between two levels, this many halvings from the image itself.
     fn trilinear(&self, halvings: f32, uv: Vec2, tables: &Tables) -> Vec4 {
         let (level, part) = self.levels(halvings);
         let near = self.bilinear(level, uv, tables);
@@ -203,7 +203,7 @@ impl<'a> Wear<'a> {
         self.cutoff.is_some()
     }
 
-    /// True if there is something at a place, seen at this many halvings.
+    /// `true` if there is something at a place, seen at this many halvings.
     fn is_there(&self, uv: Vec2, halvings: f32) -> bool {
         let (Some(map), Some(cutoff)) = (&self.color, self.cutoff) else { return true };
         let (level, part) = map.levels(halvings);
@@ -262,7 +262,7 @@ pub(super) struct Cutout<'a> {
 }
 
 impl Cutout<'_> {
-    /// True if there is something at a column and row.
+    /// `true` if there is something at a column and row.
     #[inline]
     pub(super) fn is_there(&self, x: f32, y: f32) -> bool {
         self.flat.uv(x, y, true).is_none_or(|uv| self.wear.is_there(uv, self.halvings))

@@ -86,7 +86,7 @@ pub struct Reconstruction {
     pub side: f32,
 }
 
-/// Why there is no tree.
+/// Error of reconstructing a tree.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum ReconstructError {

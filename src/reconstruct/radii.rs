@@ -177,7 +177,7 @@ impl Allometry {
         Self(known)
     }
 
-    /// The radius of a limb that bears so much, metres.
+    /// The radius of a limb that bears this length of wood, metres.
     fn radius(&self, borne: f32) -> f32 {
         let length = math::ln(borne);
         let next = self.0.partition_point(|known| known.0 < length);

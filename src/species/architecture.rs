@@ -13,7 +13,7 @@ use crate::math;
 use glam::Vec3;
 use std::f32::consts::TAU;
 
-/// Above so many usual diameters, laterals stand farther apart.
+/// Above this number of usual diameters, laterals stand farther apart.
 const HUGE: f32 = 2.5;
 /// The part of a crown's height in which its leader bears shoots.
 const LEADER: f32 = 0.14;

@@ -33,9 +33,10 @@ impl Specimen {
         [0, 1, 2].map(|i| bark.trunk[i].max(bark.limbs[i]).max(bark.twigs[i]).max(wood[0][i]).max(wood[1][i]))
     }
 
-    /// Bark with images, leaves and cards in levels of detail, as [`AssetBuilder::levels`]: the finest has at most so many `triangles`
-    /// (`None` for all there are), the others these shares of them; images of `side` pixels, a power of two from 128 to 8192. No vertex
-    /// has wind: for that there is [`levels_in_wind`](Self::levels_in_wind).
+    /// Bark with images, leaves and cards in levels of detail, as [`AssetBuilder::levels`]: the
+    /// finest has at most `triangles` triangles (`None` for all there are), the others these shares
+    /// of them; images of `side` pixels, a power of two from 128 to 8192. No vertex has wind: for
+    /// that there is [`levels_in_wind`](Self::levels_in_wind).
     ///
     /// ```
     /// use treesynth::species;

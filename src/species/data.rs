@@ -413,7 +413,7 @@ pub struct LeafData {
     pub turn: f32,
     /// Random deviation of each, radians.
     pub disorder: f32,
-    /// True if leaves stay over the winter.
+    /// `true` if leaves stay over the winter.
     pub evergreen: bool,
     /// Colour in summer, sRGB.
     pub summer: [f32; 3],

@@ -55,7 +55,8 @@ fn foliage(species: &Species, enlarged: f32) -> Foliage {
         .with_disorder(data.disorder)
 }
 
-/// About how many leaves make so many square metres; of a huge tree at most so many as are drawn.
+/// Approximate number of leaves of this total area in square metres; of a huge tree at most as many
+/// as are drawn.
 pub(super) fn wanted(species: &Species, area: f32) -> f32 {
     natural(species, area).min(MOST_LEAVES)
 }

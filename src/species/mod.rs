@@ -60,7 +60,7 @@ pub use text::SpeciesTextError;
 use crate::foliage::FoliageError;
 use crate::{ParameterError, SkeletonError};
 
-/// Why there is no tree.
+/// Error of growing a tree of a species.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum SpeciesError {

@@ -121,8 +121,9 @@ impl<'a> Request<'a> {
         self
     }
 
-    /// In a stand of such trees, so many metres from one to the next: a crown that is narrower and begins higher, on a
-    /// thinner trunk. Wider than the crown grows in the open, it changes nothing.
+    /// Grows in a stand of such trees, `spacing` metres from one to the next: a crown that is
+    /// narrower and begins higher, on a thinner trunk. Wider than the crown grows in the open, it
+    /// changes nothing.
     pub fn in_a_stand(mut self, spacing: f32) -> Self {
         self.spacing = Some(spacing);
         self
@@ -134,9 +135,10 @@ impl<'a> Request<'a> {
         self
     }
 
-    /// A snag: so many years dead, 0 to 80. Leaves are gone (evergreens drop theirs, brown, over two years), then shoots,
-    /// twigs, branches and limbs break off one after the other, each to a stub with splinters, the top from the fourth year on;
-    /// bark falls in patches from the second year, wood turns grey. Default: it lives.
+    /// A snag, dead for this number of years, 0 to 80. Leaves are gone (evergreens drop theirs,
+    /// brown, over two years), then shoots, twigs, branches and limbs break off one after the
+    /// other, each to a stub with splinters, the top from the fourth year on; bark falls in patches
+    /// from the second year, wood turns grey. Default: it lives.
     pub fn with_years_dead(mut self, years: f32) -> Self {
         self.dead = Some(years);
         self

@@ -30,7 +30,7 @@ pub(super) trait Fields {
     fn text(&mut self, name: &'static str, value: &mut String);
     /// Numbers in a range, as many as there are; one alone without brackets.
     fn numbers(&mut self, name: &'static str, values: &mut [f32], range: [f32; 2]);
-    /// Any of so many numbers.
+    /// A list of numbers, as many as `count` allows.
     fn list(
         &mut self,
         name: &'static str,

@@ -12,7 +12,7 @@ use std::f32::consts::PI;
 const HIDDEN: f32 = 0.6;
 /// Steepest taper that tilts a normal: a cone this flat is a disc.
 const STEEPEST_TAPER: f32 = 1e3;
-/// Tips of at least so many sides are domes; others are cones.
+/// Tips of at least this number of sides are domes; others are cones.
 pub(super) const DOME_SIDES: u32 = 7;
 
 impl Axes {
@@ -90,7 +90,7 @@ impl Axes {
         Some((bearer, station.saturating_sub(first)))
     }
 
-    /// True if a place on an axis is the base of a trunk, which has wood on one side only.
+    /// `true` if a place on an axis is the base of a trunk, which has wood on one side only.
     fn stands(&self, bearer: usize, base: &Near) -> bool {
         self.all[bearer].bearing.is_none() && base.place.is_start()
     }

@@ -200,7 +200,7 @@ impl Inside {
     }
 }
 
-/// True if all stations between two others are near the straight way between these.
+/// `true` if all stations between two others are near the straight way between these.
 fn is_straight(start: &Station, between: &[Station], end: &Station) -> bool {
     between.iter().all(|station| {
         let way = station.position - start.position;

@@ -305,7 +305,7 @@ impl Tubes {
         if self.error.is_some() { half / math::sin(half) } else { 1.0 }
     }
 
-    /// Parts of an internode that turns by so much, radians, and is so long, metres.
+    /// Parts of an internode of this turn in radians and length in metres.
     pub(super) fn parts(&self, turn: f32, length: f32) -> f32 {
         match self.error {
             // The sagitta of an arc; the other half of the error is for simplifying.

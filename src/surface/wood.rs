@@ -18,7 +18,7 @@ pub(super) struct Place {
 }
 
 impl Place {
-    /// True if it is where the branch begins.
+    /// `true` if it is where the branch begins.
     pub(super) fn is_start(self) -> bool {
         self.ring == 0 && self.part == 0.0
     }

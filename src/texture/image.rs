@@ -9,7 +9,7 @@ use std::io::{self, BufRead, Seek, Write};
 ///
 /// The map decides what the numbers mean: colours are sRGB, everything else is linear.
 ///
-/// Memory: one byte a channel and pixel.
+/// Memory: one byte per channel and pixel.
 ///
 /// ```
 /// use treesynth::texture::Image;
@@ -63,7 +63,7 @@ impl Image {
         self.channels
     }
 
-    /// True if there is an alpha channel.
+    /// `true` if there is an alpha channel.
     pub fn has_alpha(&self) -> bool {
         self.channels == 4
     }

@@ -82,7 +82,7 @@ impl Textures {
         self.alpha_cutoff
     }
 
-    /// True if there are holes: an alpha channel and a cutoff.
+    /// `true` if there are holes: an alpha channel and a cutoff.
     pub fn is_masked(&self) -> bool {
         self.alpha_cutoff.is_some() && self.base_color.as_ref().is_some_and(Image::has_alpha)
     }

@@ -324,7 +324,7 @@ impl<'a> Graft<'a> {
     }
 
     /// Hangs shape nodes on internodes nearby, then gathers pairs on twigs: where that saves, and where a node carries
-    /// more than [`MOST`]. O(n m²) for m a node.
+    /// more than [`MOST`]. O(n m²) for m per node.
     pub(super) fn grow_twigs(&mut self) {
         for tip in 0..self.draft.owners.len() as u32 {
             self.hang_beside(tip);

@@ -7,7 +7,8 @@ use crate::parameter::ParameterError;
 use crate::shape::Shape;
 use glam::{DVec3, Vec3};
 
-/// A trunk's top above each root: the reachable node nearest to the point so many metres above it.
+/// A trunk's top above each root: the reachable node nearest to the point at this height above it,
+/// in metres.
 ///
 /// Straighter trunks, which stand from the beginning: [`PoissonYao::with_leader`](crate::guided::PoissonYao::with_leader).
 /// A node that is nearest for two roots counts once. O((n + m) log n) for m roots.

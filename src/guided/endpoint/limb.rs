@@ -5,11 +5,12 @@ use super::{EndpointError, EndpointPolicy, Side, StageView};
 use crate::parameter::ParameterError;
 use crate::random::{Purpose, derive};
 
-/// Endpoints allotted branch by branch: so many metres of each branch bear one, so that every branch is clothed, the
-/// inner and the thin ones too.
+/// Endpoints allotted branch by branch: each branch bears one every few metres (the spacing), so
+/// that every branch is clothed, the inner and the thin ones too.
 ///
-/// Candidates are the nodes k hops from the tree, as in [`HopSurface`](super::HopSurface); which branch one belongs to is where its
-/// least-cost path leaves the tree. Each branch is divided into equal parts, and in each part one candidate is drawn.
+/// Candidates are the nodes k hops from the tree, as in [`HopSurface`](super::HopSurface); each
+/// belongs to the branch where its least-cost path leaves the tree. Each branch is divided into
+/// equal parts, and in each part one candidate is drawn.
 ///
 /// O(n log n).
 ///

@@ -54,7 +54,7 @@ pub trait EndpointPolicy: Send + Sync {
     /// When there are not enough candidates, or for a reason of your own.
     fn select(&self, view: &StageView<'_>) -> Result<Vec<u32>, EndpointError>;
 
-    /// True if the choice depends on the stage's search. If false, the search stops once all
+    /// `true` if the choice depends on the stage's search. If false, the search stops once all
     /// endpoints are settled, which is faster and finds the same paths.
     fn needs_search(&self) -> bool {
         false
@@ -114,7 +114,7 @@ pub enum EndpointError {
 )]
 #[non_exhaustive]
 pub enum Count {
-    /// Exactly so many; an error if there are fewer candidates.
+    /// Exactly this number; an error if there are fewer candidates.
     Exactly(usize),
     /// This number, or all candidates if they are fewer; at least one.
     UpTo(usize),
@@ -212,7 +212,7 @@ impl<'a> StageView<'a> {
         stream(self.seed, self.stage as u32, Purpose::ENDPOINTS, 0)
     }
 
-    /// True if a path leads to `node`: as far as edges go before the search, for certain after it.
+    /// `true` if a path leads to `node`: as far as edges go before the search, for certain after it.
     pub fn is_reachable(&self, node: u32) -> bool {
         if self.search.is_complete() {
             self.search.is_settled(node)

@@ -236,7 +236,7 @@ impl Discs {
         self.cells[cell].push(place);
     }
 
-    /// True if no place lies within the radius.
+    /// `true` if no place lies within the radius.
     fn is_free(&self, place: Vec3) -> bool {
         let cell = self.cell_of(place);
         let (low, high) = ((cell - 1).max(IVec3::ZERO), (cell + 1).min(self.dims - 1));

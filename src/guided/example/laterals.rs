@@ -25,7 +25,7 @@ pub(super) struct LateralsLike {
     /// Lengths for those of the model's.
     pub(super) stretch: Vec3,
     pub(super) crown: Crown,
-    /// True if the example's trunk bears its limbs to all sides; if false, each keeps its own.
+    /// `true` if the example's trunk bears its limbs to all sides; if false, each keeps its own.
     pub(super) round: bool,
 }
 
@@ -172,7 +172,7 @@ impl WeightFn for FromOrder {
     }
 }
 
-/// True if limbs of a trunk point to all sides: no direction has most of them, nor any two that are
+/// `true` if limbs of a trunk point to all sides: no direction has most of them, nor any two that are
 /// opposite.
 pub(super) fn is_round(trunk: &Model) -> bool {
     let mut sums = [0.0f32; 4];

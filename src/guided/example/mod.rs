@@ -99,7 +99,7 @@ impl Tuning {
 
 /// Branches of higher orders are not grown.
 const ORDERS: usize = 8;
-/// Edges of the graph are so many spacings long.
+/// Mean length of the graph's edges, in spacings.
 const EDGE: f32 = 1.25;
 /// Nodes in a cube of the spacing.
 const DENSITY: f32 = 0.67;
@@ -164,9 +164,10 @@ impl Example {
         self.trunk
     }
 
-    /// Grows `trials` trees, one after the other, on graphs of about `nodes` nodes, and after each corrects numbers, lengths
-    /// and angles of each order, and the crown's width and height, by what is measured on it. 4 trials are a good number; the
-    /// correction is for that many nodes. The time of so many trees.
+    /// Grows `trials` trees, one after the other, on graphs of about `nodes` nodes, and after each
+    /// corrects numbers, lengths and angles of each order, and the crown's width and height, by
+    /// what is measured on it. 4 trials are a good number; the correction is for that many nodes.
+    /// Takes as long as growing the `trials` trees.
     ///
     /// # Errors
     /// As [`TreeSynth::synthesize`].

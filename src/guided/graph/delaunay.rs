@@ -57,7 +57,7 @@ impl<S: Shape> PoissonDelaunay<S> {
         Self { nodes: PoissonYao::new(region).planar().with_nodes(3_750), root: Vec3::ZERO }
     }
 
-    /// About so many nodes, within a few percent; in [2, 200000000]. The spacing follows from the region's area.
+    /// Number of nodes, within a few percent; in [2, 200000000]. The spacing follows from the region's area.
     pub fn with_nodes(mut self, nodes: usize) -> Self {
         self.nodes = self.nodes.with_nodes(nodes);
         self

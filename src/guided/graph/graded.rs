@@ -108,8 +108,9 @@ impl<S: Shape, F: SizingField> GradedYao<S, F> {
         }
     }
 
-    /// About so many nodes, within an eighth, or a fifth too few where r changes everywhere as fast as it may; in
-    /// [2, 200000000]. The sizes are all multiplied by one factor; what they are in metres no longer matters.
+    /// Number of nodes, within an eighth, or a fifth too few where r changes everywhere as fast as
+    /// it may; in [2, 200000000]. The sizes are all multiplied by one factor; what they are in
+    /// metres no longer matters.
     pub fn with_nodes(mut self, nodes: usize) -> Self {
         self.nodes = Some(nodes);
         self.spacing = Once::default();

@@ -117,7 +117,7 @@ impl<'a> Tile<'a> {
         free
     }
 
-    /// True if a node lies within `r` of `p`, which is in a cell of the tile.
+    /// `true` if a node lies within `r` of `p`, which is in a cell of the tile.
     #[inline]
     fn is_covered(&self, p: Vec3, r: f32, cell: IVec3) -> bool {
         let (slot, square) = (self.slot(cell) as i32, r * r);

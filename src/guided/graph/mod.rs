@@ -124,7 +124,7 @@ impl PartialEq for Graph {
     }
 }
 
-/// Why there is no graph.
+/// Error of building a graph.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum GraphError {

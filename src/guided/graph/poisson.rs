@@ -103,7 +103,8 @@ impl<S: Shape> PoissonYao<S> {
         }
     }
 
-    /// About so many nodes, within a few percent; in [2, 200000000]. The spacing follows from the region's volume.
+    /// Number of nodes, within a few percent; in [2, 200000000]. The spacing follows from the
+    /// region's volume.
     pub fn with_nodes(mut self, nodes: usize) -> Self {
         self.size = Size::Nodes(nodes);
         self
@@ -122,9 +123,9 @@ impl<S: Shape> PoissonYao<S> {
         self
     }
 
-    /// The number of sectors, in [3, 64]. In 3D, 8 are the octants, other counts the regions nearest to each of
-    /// so many directions spread evenly; in 2D they are equal wedges. Fewer than 6 in 3D may leave nodes
-    /// [unreachable](Graph::unreachable).
+    /// The number of sectors, in [3, 64]. In 3D, 8 are the octants; other counts are the regions
+    /// nearest to each of that number of evenly spread directions; in 2D they are equal wedges.
+    /// Fewer than 6 in 3D may leave nodes [unreachable](Graph::unreachable).
     pub fn with_sectors(mut self, sectors: usize) -> Self {
         self.sectors = sectors;
         self

@@ -44,8 +44,9 @@ impl Reach<'_> {
     }
 }
 
-/// The reach of edges where nodes are one unit apart: as far as each of so many sectors holds as many nodes as an
-/// octant within three spacings, nine and a half. In the plane, as an eighth of a turn: 2.7.
+/// The reach of edges where nodes are one unit apart: far enough for each of `sectors` sectors to
+/// hold as many nodes as an octant within three spacings, nine and a half. In the plane, as an
+/// eighth of a turn: 2.7.
 pub(super) fn reach_of(sectors: usize, planar: bool) -> f32 {
     let share = (sectors as f32 / 8.0).max(1.0);
     3.0 * if planar { share.sqrt() } else { cbrt(share) }
@@ -265,7 +266,7 @@ fn octants(x: Vec4, y: Vec4, z: Vec4) -> [usize; LANES] {
     std::array::from_fn(|i| (x >> i & 1 | (y >> i & 1) << 1 | (z >> i & 1) << 2) as usize)
 }
 
-/// True if no point of the box is in the octant of `from`. Exact: signs survive subtraction.
+/// `true` if no point of the box is in the octant of `from`. Exact: signs survive subtraction.
 #[inline]
 fn outside_octant(octant: usize, from: Vec3, min: Vec3, max: Vec3) -> bool {
     let low = BVec3::new(octant & 1 != 0, octant & 2 != 0, octant & 4 != 0);

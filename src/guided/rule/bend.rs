@@ -138,7 +138,7 @@ impl Bend {
         self
     }
 
-    /// The angle of one edge where hops are so many metres of path.
+    /// The angle of one edge where a hop is `hop` metres of path.
     fn angle_by_length(&self, step: &Step<'_>, hop: f32) -> f32 {
         let (start, end) = (step.path_length - step.length, step.path_length);
         let piecewise = |first: f32, rest: f32, hops: u32| {

@@ -52,7 +52,7 @@ pub trait WeightFn: Send + Sync {
         }
     }
 
-    /// True if a weight may be infinite. Endpoints are then chosen after the search, among nodes it
+    /// `true` if a weight may be infinite. Endpoints are then chosen after the search, among nodes it
     /// reached.
     fn forbids(&self) -> bool {
         false

@@ -82,7 +82,7 @@ pub(super) struct Strip {
 }
 
 impl Strip {
-    /// Of so many samples, and so many of them a pixel in each direction.
+    /// A strip of this number of samples, with `samples` of them per pixel in each direction.
     pub(super) fn new(columns: usize, rows: usize, samples: usize) -> Self {
         let width = columns / samples;
         Self {

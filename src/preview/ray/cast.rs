@@ -79,7 +79,7 @@ pub(in super::super) trait Cast: Sync {
     /// Points where a ray enters and leaves the solid, and the normals there.
     fn passages(&self, ray: &Ray) -> Vec<(Vec3, Vec3)>;
 
-    /// True if more memory was needed than was allowed: all answers may be wrong then.
+    /// `true` if more memory was needed than was allowed: all answers may be wrong then.
     fn is_full(&self) -> bool;
 }
 

@@ -117,12 +117,12 @@ impl<'a, S: Solid> Octree<'a, S> {
         octree
     }
 
-    /// True if more cubes were needed than were allowed: results are of no use then.
+    /// `true` if more cubes were needed than were allowed: results are of no use then.
     pub(super) fn is_full(&self) -> bool {
         self.cubes.load(Ordering::Relaxed) > self.most
     }
 
-    /// True if crowds of primitives made more work than was allowed: results are of no use then.
+    /// `true` if crowds of primitives made more work than was allowed: results are of no use then.
     pub(super) fn is_crowded(&self) -> bool {
         self.work.load(Ordering::Relaxed) > self.most_work
     }

@@ -71,7 +71,7 @@ struct Walk<'a, 'o, S: Solid, V> {
     inverse: Vec3,
     /// The bits of the axes along which the ray goes backwards.
     mirror: usize,
-    /// True if the ray is within the solid.
+    /// `true` if the ray is within the solid.
     inside: bool,
     last: Option<(&'o Leaf<S::Part>, Cube)>,
     visit: V,

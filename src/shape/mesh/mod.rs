@@ -225,7 +225,7 @@ impl TriangleMesh {
                 Some(*sum)
             })
             .collect();
-        // Rounding of corners moves each triangle by so much.
+        // Rounding of corners moves each triangle by about the longest side times epsilon.
         let size = f64::from(bounds.size().max_element());
         let rounding = areas.last().map_or(0.0, |area| area * size * f64::from(f32::EPSILON));
         // Sheets that lie on one another and look both ways.

@@ -1,4 +1,4 @@
-//! Why there is no [`BlobTree`](super::BlobTree).
+//! Errors of making a [`BlobTree`](super::BlobTree).
 
 use crate::observer::Cancelled;
 use crate::{Bounds, ParameterError};

@@ -143,7 +143,7 @@ struct Stroke {
 }
 
 impl Stroke {
-    /// True if it reaches into the cell from whose corner its place is measured.
+    /// `true` if it reaches into the cell from whose corner its place is measured.
     fn reaches(&self) -> bool {
         let away = |at: f32| (at - at.clamp(0.0, 1.0)).abs();
         away(self.x) * self.inverse[0] < 1.0 && away(self.y) * self.inverse[1] < 1.0

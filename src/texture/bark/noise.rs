@@ -1,6 +1,6 @@
 //! Noise that repeats after one tile: gradients on a lattice whose ends meet (Perlin 1985, 2002).
 //!
-//! Along a row of pixels the noise in each cell is a blend of two lines, whose four numbers are worked out once a row and cell
+//! Along a row of pixels the noise in each cell is a blend of two lines, whose four numbers are computed once per row and cell
 //! ([`Fractal::line`]); only places that are moved by other noise ask the lattice itself ([`Fractal::at`]).
 
 use super::lanes::{floor, fraction, indices, mix, transposed};
@@ -34,12 +34,12 @@ impl Seed {
     }
 }
 
-/// Gradient noise with so many cells in a tile across and down, multiplied by a weight.
+/// Gradient noise with this number of cells in a tile across and down, multiplied by a weight.
 #[derive(Debug, Clone)]
 struct Noise {
     columns: u32,
     rows: u32,
-    /// A gradient a lattice point, row by row; the first column and row come again at the end.
+    /// One gradient per lattice point, row by row; the first column and row come again at the end.
     gradients: Vec<f32>,
 }
 

@@ -112,7 +112,7 @@ impl PoissonSurface {
         Self::new(corners, triangles.collect())
     }
 
-    /// About so many nodes, in [1, 20000000]; the spacing follows from the surface's area.
+    /// Approximate number of nodes, in [1, 20000000]; the spacing follows from the surface's area.
     pub fn with_nodes(mut self, nodes: usize) -> Self {
         self.size = Size::Nodes(nodes);
         self

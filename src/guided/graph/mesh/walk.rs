@@ -22,7 +22,7 @@ pub(super) struct Walk<'a> {
 }
 
 impl Walk<'_> {
-    /// True if the cut of the surface with the plane through both points and along `normal` leads
+    /// `true` if the cut of the surface with the plane through both points and along `normal` leads
     /// from one to the other, near to the line between them.
     ///
     /// A corner on the plane counts as on its upper side. So every triangle has none or two sides that the plane
