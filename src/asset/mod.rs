@@ -124,7 +124,7 @@ pub struct Asset {
     crown: Option<light::Crown>,
 }
 
-/// Lines of a screen, for which a level's size is told in parts of its height.
+/// Height, in lines, of the screen for which sizes of levels are given.
 const SCREEN_LINES: f32 = 1080.0;
 /// Each level is shown down to this part of the size of the one before at the most.
 const SMALLER: f32 = 0.7;

@@ -39,8 +39,8 @@ impl Wood {
     }
 }
 
-/// The longest of these twigs, as many as have the area of all when none is thinner than `least`; in the order of their nodes,
-/// and none without what bears it. O(n log n).
+/// The longest of these twigs, as many as have the area of all once none is thinner than `least`;
+/// in the order of their nodes, and none without its parent. O(n log n).
 pub(super) fn fewer(wood: &[Wood], least: f32) -> Vec<Wood> {
     let parent = |own: &Wood| wood.binary_search_by_key(&own.parent, |other| other.node).ok();
     // The longest way to a tip, own internode included, and the child that it goes through.

@@ -109,15 +109,16 @@ impl Cloud {
         Self::from_places(frame, &places)
     }
 
-    /// Reads text of a point a line, as `.xyz`, `.csv`, `.txt`, `.asc` and `.pts` files have it: numbers with blanks, tabs, commas
-    /// or semicolons between them. Numbers have a decimal point: what has a comma is an error where it can be told.
+    /// Reads text with one point per line, as `.xyz`, `.csv`, `.txt`, `.asc` and `.pts` files have
+    /// it: numbers with blanks, tabs, commas or semicolons between them. Numbers have a decimal
+    /// point: a decimal comma is an error where it can be told from a separator.
     ///
     /// The first three are taken; where a line with the names `x`, `y` and `z` (in capitals or not, with `//` or `#` before or not)
     /// stands before the first point, those columns. Lines that begin with `#` or `//`, and a first line of one number alone (a
     /// count), are passed over.
     ///
     /// # Errors
-    /// A frame out of range; whatever the reader returns; a line with fewer than three numbers, or with what is none; points that
+    /// A frame out of range; whatever the reader returns; a line with fewer than three numbers, or with a word that is no number; points that
     /// are not finite or too far off.
     pub fn read_xyz(frame: &Frame, reader: impl Read) -> Result<Self, CloudError> {
         frame.check()?;
@@ -248,7 +249,7 @@ impl Cloud {
         Ok(())
     }
 
-    /// Writes text of a point a line, `x y z`. O(n).
+    /// Writes text with one point per line, `x y z`. O(n).
     ///
     /// # Errors
     /// A frame out of range; whatever the writer returns.

@@ -17,7 +17,7 @@ use glam::{DVec3, Vec3};
 use crate::ParameterError;
 use crate::shape::{Bounds, LARGEST};
 
-/// Points in metres and +Y up, and what was taken off their coordinates in the file.
+/// Points in metres and +Y up, and the offset that was taken off their coordinates in the file.
 ///
 /// Memory: 12 bytes per point.
 ///
@@ -44,7 +44,7 @@ pub enum CloudError {
     /// An option out of its range.
     #[error(transparent)]
     Parameter(#[from] ParameterError),
-    /// A point that is nowhere, or too far off.
+    /// A point that is not finite, or too far off.
     #[error("point {point} is at {position}, but must be finite and at most 1e6 m from 0 on every axis")]
     Position {
         /// The point, from 0.

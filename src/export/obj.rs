@@ -1,6 +1,6 @@
 //! Wavefront OBJ (`.obj`) and its materials (`.mtl`).
 //!
-//! Text: `v`, `vt`, `vn` and `f` lines, an object and a material a part.
+//! Text: `v`, `vt`, `vn` and `f` lines, one object and one material per part.
 
 use super::images::{Map, Uses, is_masked};
 use super::{Axes, ExportError, check_parts};

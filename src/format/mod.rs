@@ -16,9 +16,9 @@
 //! | [orders](Skeleton::orders) | yes | worked out anew | yes |
 //! | [stages](Skeleton::stages), [hops](Skeleton::hops) | no | no | no |
 //!
-//! Rows may come in any order; a parent is put before its children, and rows that are so already keep their order. No reader
-//! panics, hangs or believes a count: what is wrong comes back as an error that names the line, the column, what stands there and
-//! what must.
+//! Rows may come in any order; a parent is put before its children, and rows that are so already
+//! keep their order. No reader panics, hangs or believes a count: an error names the line, the
+//! column, what was found there and what is required.
 
 mod assemble;
 mod mtg;
@@ -67,7 +67,7 @@ impl Trees {
     }
 }
 
-/// Why a file cannot be read or written.
+/// Error of reading or writing a skeleton in a file.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum FormatError {

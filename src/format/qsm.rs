@@ -1,4 +1,4 @@
-//! Quantitative structure models as tables: a row a cylinder.
+//! Quantitative structure models as tables: one row per cylinder.
 
 use std::collections::BTreeMap;
 use std::io::{BufReader, BufWriter, Read, Write};
@@ -79,7 +79,7 @@ impl Columns {
     }
 }
 
-/// Reads a quantitative structure model from a table with a header: a row a cylinder.
+/// Reads a quantitative structure model from a table with a header: one row per cylinder.
 ///
 /// | what | columns, in capitals or not, with `.`, `_` and blanks between or not |
 /// |---|---|

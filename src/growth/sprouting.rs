@@ -13,8 +13,8 @@ const LEAST_ANGLE: f32 = 0.698_131_7;
 /// Shoots worked out from one report to the next.
 const SHOOTS: usize = 4096;
 
-/// The years that any dead branch stands at least, and those beyond that one of a metre stands on average; they go with the
-/// root of the length.
+/// Least number of years that a dead branch stands, and the mean number beyond that for a branch of
+/// one metre, in proportion to the root of the length; and the most of these.
 const LEAST_BARE: f32 = 0.2;
 const BARE_YEARS: f32 = 1.6;
 const MOST_BARE_YEARS: f32 = 6.0;
@@ -68,7 +68,7 @@ struct Builder<'a> {
     watch: &'a Watch<'a>,
 }
 
-/// Why a year does not come.
+/// Reason why a year does not come.
 enum Stop {
     Cancelled,
     /// More nodes than are allowed.

@@ -1,7 +1,7 @@
 //! The part of a tree that does not depend on its age: the branches that it ever has, the length of
 //! each in each year, the number of metamers of its shoots, and the age at which it is lost.
 //!
-//! Branches are numbered by the year in which they sprout, so that a bearing branch comes before what it bears; nodes
+//! Branches are numbered by the year in which they sprout, so that a parent branch comes before its laterals; nodes
 //! are numbered year by year. Neither number ever changes.
 
 /// Uses of a branch's random numbers; the stages of its streams.
@@ -24,7 +24,7 @@ pub(super) const FORK_ANGLE: f32 = 0.4;
 /// A branch, the trunk included.
 #[derive(Debug, Clone)]
 pub(super) struct Axis {
-    /// The branch that bears it; the trunk's is itself.
+    /// Its parent branch; the trunk's is itself.
     pub(super) parent: u32,
     /// The metamer of that branch at whose upper end it springs.
     pub(super) bearer: u32,
@@ -45,7 +45,7 @@ pub(super) struct Axis {
     pub(super) lost: f32,
     /// `s_b` of equation 15.
     pub(super) scale: f32,
-    /// Between it and the bearing branch, radians.
+    /// Angle to its parent branch, radians.
     pub(super) angle: f32,
     /// Index of its years in the arrays of [`Structure`].
     pub(super) start: u32,

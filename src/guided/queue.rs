@@ -7,7 +7,7 @@
 
 use std::collections::BinaryHeap;
 
-/// Entries of a bucket, on average; half and a quarter as many are 4% slower. What is in a bucket is worked out together.
+/// Entries of a bucket, on average; half and a quarter as many are 4% slower. The entries of a bucket are worked out together.
 const FILL: usize = 64;
 
 /// Range of costs that the buckets cover, in ranges of most of the frontier; the rest is for nodes
@@ -107,7 +107,7 @@ pub(super) struct Queue {
     count: usize,
     /// The cost that the first bucket begins at.
     base: f32,
-    /// Buckets a unit of cost.
+    /// Buckets per unit of cost.
     scale: f32,
     /// Entries behind all buckets.
     far: Vec<Entry>,

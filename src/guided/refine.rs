@@ -234,7 +234,7 @@ struct Reach<'a> {
     origin: Vec3,
     side: f32,
     dims: IVec3,
-    /// A bit a voxel.
+    /// One bit per voxel.
     voxels: Vec<u64>,
     count: usize,
 }

@@ -298,7 +298,7 @@ struct Ahead {
 }
 
 impl Ahead {
-    /// With room for nodes of sixteen edges, so that there is one allocation an array and not one a doubling.
+    /// With room for nodes of sixteen edges, so that there is one allocation per array and not one per doubling.
     fn new() -> Self {
         Self {
             first: 0,
@@ -309,7 +309,8 @@ impl Ahead {
         }
     }
 
-    /// The last nodes of the open bucket. What no search can go on with is left to when the node is settled.
+    /// The last nodes of the open bucket. A fault that ends a search is left until its node is
+    /// settled.
     fn work_out(&mut self, search: &Search<'_>, graph: &Graph, terms: &Terms<'_>) {
         let opened = search.queue.opened();
         self.first = opened.len().saturating_sub(AHEAD);

@@ -390,7 +390,7 @@ impl<'g> Search<'g> {
         forks.get(self.place(node)?).copied()
     }
 
-    /// The trees so far, one a root, without radii but those that were given; and the place in
+    /// The trees so far, one per root, without radii but those that were given; and the place in
     /// [`tree`](Self::tree) of each of their nodes.
     pub(super) fn skeletons(&self) -> Result<Vec<(Skeleton, Vec<usize>)>, SkeletonError> {
         let parent = |&node: &u32| self.parent(node).map(|parent| self.place[parent as usize]);

@@ -363,7 +363,7 @@ impl TreeSynth {
 
     /// Builds the graph and grows a tree from each of its [roots](Graph::roots). All trees compete in one search: a node
     /// belongs to the tree whose path to it costs least, so no two trees share one and crowns give way to each other.
-    /// In the order of the roots. Which rule guides which tree: [`ByTree`](super::ByTree).
+    /// In the order of the roots. [`ByTree`](super::ByTree) gives each tree a rule of its own.
     ///
     /// ```
     /// use treesynth::glam::Vec3;

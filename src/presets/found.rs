@@ -69,9 +69,9 @@ pub enum PresetError {
     System {
         /// The name of the preset.
         name: String,
-        /// Whose it is.
+        /// The system that it is of.
         system: System,
-        /// Whose it should be.
+        /// The system that was asked for.
         wanted: System,
     },
 }
@@ -119,7 +119,7 @@ impl Found {
     /// The preset of [`guided`](crate::guided).
     ///
     /// # Errors
-    /// It is another system's; so of the next five.
+    /// A preset of another system.
     pub fn guided(self) -> Result<&'static Preset, PresetError> {
         if let Self::Guided(preset) = self { Ok(preset) } else { Err(self.not(System::Guided)) }
     }

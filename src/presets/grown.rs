@@ -63,7 +63,7 @@ impl Grown {
         (self.leaf)()
     }
 
-    /// The leaves that hang on a tree, a value a colour.
+    /// The leaves that hang on a tree, one value per colour.
     pub fn leaves(&self, tree: &TreeAtAge) -> Vec<Leaves> {
         Leaves::grown(tree, &(self.leaf)())
     }

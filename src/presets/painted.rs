@@ -36,7 +36,7 @@ const SPACES: &[Stand<SpaceColonization>] = &[
     }),
 ];
 
-/// Markers a cubic metre.
+/// Markers per cubic metre.
 const DENSITY: f32 = 150.0;
 
 fn count(shape: &dyn Shape) -> usize {

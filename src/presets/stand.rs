@@ -103,7 +103,7 @@ impl<E: Environment> Stand<E> {
     }
 
     /// The leaves of one of its trees: where the text's rule ([`Tree::leafy`]) has them, on metamers that begin at
-    /// least four nodes from the foot and carry fewer than 30 buds. None in winter.
+    /// least four nodes from the trunk base and carry fewer than 30 buds. None in winter.
     ///
     /// # Errors
     /// As [`Foliage::place`](crate::foliage::Foliage::place): a skeleton without radii, say.

@@ -1,4 +1,4 @@
-//! From where a picture is taken.
+//! The camera of a picture.
 
 use super::PreviewError;
 use super::ray::Ray;
@@ -186,7 +186,7 @@ impl Camera {
     }
 }
 
-/// Samples a unit of slope.
+/// Samples per unit of slope.
 fn focal(field_of_view: f32, height: f32) -> f32 {
     let (sin, cos) = math::sin_cos(0.5 * field_of_view);
     0.5 * height * cos / sin
@@ -243,7 +243,7 @@ impl Fit {
 pub(super) struct View {
     axes: Axes,
     eye: Vec3,
-    /// Samples a unit of slope (perspective) or a metre (orthographic).
+    /// Samples per unit of slope (perspective) or per metre (orthographic).
     scale: f32,
     middle: (f32, f32),
     perspective: bool,
@@ -310,7 +310,7 @@ impl View {
         }
     }
 
-    /// The side of a sample, metres: at the eye, and what it grows by a metre.
+    /// The side of a sample, metres: at the eye, and its growth per metre.
     pub(super) fn sample_size(&self) -> [f32; 2] {
         if self.perspective { [0.0, 1.0 / self.scale] } else { [1.0 / self.scale, 0.0] }
     }

@@ -196,13 +196,13 @@ impl Preview {
         self
     }
 
-    /// Samples a pixel in each direction, 1 to 8; default 3.
+    /// Samples per pixel in each direction, 1 to 8; default 3.
     pub fn with_supersampling(mut self, samples: u32) -> Self {
         self.supersampling = samples;
         self
     }
 
-    /// From where the picture is taken; default [`Camera::default`].
+    /// Camera; default [`Camera::default`].
     pub fn with_camera(mut self, camera: Camera) -> Self {
         self.camera = camera;
         self

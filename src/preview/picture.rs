@@ -32,7 +32,7 @@ pub struct Picture {
     width: u32,
     height: u32,
     pixels: Vec<[u8; 3]>,
-    /// One a pixel; none at all if everything is opaque.
+    /// One per pixel; none at all if everything is opaque.
     alpha: Vec<u8>,
 }
 
@@ -85,8 +85,8 @@ impl Picture {
             .then(|| self.pixels[y as usize * self.width as usize + x as usize])
     }
 
-    /// Lays `other` over this picture, its upper left corner at (`x`, `y`). Where `other` is opaque, so is what comes
-    /// out; where it is not, this picture's opacity stays.
+    /// Lays `other` over this picture, its upper left corner at (`x`, `y`). The result is opaque
+    /// where `other` is; elsewhere this picture's opacity stays.
     pub fn blit(&mut self, other: &Self, x: i32, y: i32) {
         let columns = clip(x, other.width, self.width);
         if columns.is_empty() {
@@ -131,7 +131,7 @@ impl Picture {
 
     /// Writes `text` with its upper left corner at (`x`, `y`), each dot of the 5 by 8 font `scale` pixels wide.
     ///
-    /// A character takes 6 dots, a line 10; `\n` starts a new line. What is not printable ASCII becomes a box.
+    /// A character takes 6 dots, a line 10; `\n` starts a new line. Other than printable ASCII, characters become boxes.
     pub fn label(&mut self, text: &str, x: i32, y: i32, scale: u32, color: [u8; 3]) {
         for (column, row) in font::cells(text) {
             let at = |start: i32, cells: u32| {

@@ -1,9 +1,10 @@
 //! Triangles and the samples they cover.
 //!
-//! A triangle is three corners of (column, row, nearness) in samples; a sample sits in the middle of its cell.
-//! What is narrower than a sample would be hit here and missed there, and a twig would break into dots. Such a
-//! triangle is *thin*: it is not sampled but strewn along its longest edge, with the area it has. How much of that area
-//! lies on top of other thin ones is counted on a finer grid of points.
+//! A triangle is three corners of (column, row, nearness) in samples; a sample sits in the middle
+//! of its cell. A triangle narrower than a sample would be hit here and missed there, and a twig
+//! would break into dots. Such a triangle is *thin*: it is not sampled but strewn along its longest
+//! edge, with the area it has. The part of that area on top of other thin ones is counted on a
+//! finer grid of points.
 
 use glam::{Vec2, Vec3, Vec3Swizzles};
 use std::ops::Range;

@@ -7,7 +7,7 @@ use std::f32::consts::LOG2_E;
 
 /// Most samples along the longer side of a pixel's footprint.
 const MOST_TAPS: f32 = 8.0;
-/// Places a side of the grid by which the covered part of a triangle is measured.
+/// Places per side of the grid that measures the covered part of a triangle.
 const SHARE_GRID: usize = 12;
 
 /// Logarithm to the base 2, of at least 1e-12.
@@ -158,7 +158,7 @@ pub(super) struct Wear<'a> {
     normal: Option<Map<'a>>,
     occlusion_roughness: Option<Map<'a>>,
     transmission: Option<Map<'a>>,
-    /// Below which alpha nothing is drawn; only with an image that has alpha.
+    /// Alpha below which nothing is drawn; only with an image that has alpha.
     cutoff: Option<f32>,
 }
 

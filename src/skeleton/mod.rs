@@ -1,4 +1,4 @@
-//! The hinge: what every synthesizer ends in and everything else starts from.
+//! The skeleton of a tree: every synthesizer ends in it, and everything else starts from it.
 
 mod branch;
 mod relax;
@@ -41,7 +41,7 @@ pub struct Skeleton {
     hops: Vec<u32>,
 }
 
-/// Why some data is not a skeleton.
+/// Error of making a skeleton.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum SkeletonError {

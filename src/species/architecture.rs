@@ -228,7 +228,7 @@ impl Growing<'_> {
         }
     }
 
-    /// Branches or twigs along what bears them.
+    /// Branches or twigs along their parent branch.
     fn laterals(&mut self, axis: &Axis, table: &Laterals, bare: f32, rank: Rank, found: &mut Vec<Axis>) {
         if table.ratio <= 0.0 || axis.nodes.len() < 2 {
             return;

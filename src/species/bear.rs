@@ -90,7 +90,8 @@ fn sort(
     Some(Leaves { leaf: leaf.with_material(material), instances })
 }
 
-/// The size on a day of one that comes and falls at these parts of the time in which they do; none if it is not there.
+/// The size on a day of an organ that comes and falls at these parts of the times in which organs
+/// do; none if it is not there.
 fn grown(organ: &Organ, day: f32, [comes, falls]: [f32; 2]) -> Option<f32> {
     let [first, all, falling, last] = organ.days;
     let (from, to) = (first + (all - first) * comes, falling + (last - falling) * falls);

@@ -89,7 +89,7 @@ impl Default for Size {
 pub struct Trunk {
     /// Stems from the ground: fewest and most.
     pub stems: [f32; 2],
-    /// Up to which part of the height there is one stem; 1 for a leader to the very top.
+    /// Share of the height up to which there is one stem; 1 for a leader to the very top.
     pub leader: f32,
     /// Limbs into which it divides where the leader ends: fewest and most.
     pub forks: [f32; 2],
@@ -249,13 +249,14 @@ impl Choice for Stand {
 pub struct Laterals {
     /// Arrangement.
     pub stand: Stand,
-    /// Distance of one from the next along the branch that bears them, metres.
+    /// Distance of one from the next along their parent branch, metres.
     pub spacing: f32,
-    /// Angle to the branch that bears them, degrees.
+    /// Angle to their parent branch, degrees.
     pub angle: f32,
     /// Spread of that angle, degrees.
     pub angle_spread: f32,
-    /// Length over the length of the bearing branch, for the longest; those nearer its end are shorter.
+    /// Length over the length of the parent branch, for the longest; those nearer its end are
+    /// shorter.
     pub ratio: f32,
     /// Least and greatest length, metres.
     pub length: [f32; 2],
@@ -308,7 +309,7 @@ pub struct Shoots {
     pub short_length: f32,
     /// Distance of one from the next, metres.
     pub spacing: f32,
-    /// Angle to what bears them, degrees.
+    /// Angle to their parent branch, degrees.
     pub angle: f32,
     /// As [`Laterals::rise`].
     pub rise: f32,
@@ -515,14 +516,17 @@ pub struct BarkData {
     pub limbs: [f32; 3],
     /// Colour of twigs, sRGB.
     pub twigs: [f32; 3],
-    /// Colour of an old trunk's foot, up to a height of three of its diameters, sRGB: birches turn black there. 0, 0, 0: the trunk's.
+    /// Colour of an old trunk's base, up to a height of three of its diameters, sRGB: birches turn
+    /// black there. 0, 0, 0: the trunk's.
     pub foot: [f32; 3],
-    /// Side of the tile of images, metres: what is on it (ridges, plates, lenticels) grows with it. 0: the kind's own.
+    /// Side of the tile of images, metres: ridges, plates and lenticels grow with it. 0: the kind's
+    /// own.
     pub tile: f32,
     /// Depth of the oldest bark, metres, at most a quarter of the tile. 0: the kind's own.
     pub depth: f32,
-    /// Colours of the outer surface, of what is deep, and of what is special (lenticels, fresh flakes, lichen), sRGB: what counts
-    /// is how they differ, for their mean becomes that of the trunk. All 0: the kind's own.
+    /// Colours of the outer surface, of hollows, and of special parts (lenticels, fresh flakes,
+    /// lichen), sRGB: only their differences count, for their mean becomes that of the trunk. All
+    /// 0: the kind's own.
     pub palette: [f32; 9],
     /// Spread of the colours about their mean, 0 (all the same) to 2; 1: as in the palette.
     pub spread: f32,

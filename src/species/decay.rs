@@ -81,7 +81,7 @@ impl Axes {
     }
 }
 
-/// Breaks what the plan says; gives the new number of each node, `u32::MAX` for what is gone.
+/// Breaks what the plan says; gives the new number of each node, `u32::MAX` for nodes that are gone.
 pub(super) fn wreck(timber: &mut Timber, plan: &Numbers, seed: u64) -> Vec<u32> {
     let draw = Draw::new(seed).child(50, 0);
     let count = timber.radii.len();

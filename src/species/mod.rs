@@ -1,6 +1,6 @@
 //! Trees by name: species as data, grown to the height, trunk or age that is asked for.
 //!
-//! [`by_name`] finds a species, [`Species::request`] says what is wished for, [`Request::grow`] gives a [`Specimen`]:
+//! [`by_name`] finds a species, [`Species::request`] begins a request, [`Request::grow`] gives a [`Specimen`]:
 //! skeleton, radii, leaves and the numbers behind them. A species is a text ([`Species::parse`]); `docs/species.md`
 //! explains how to write one's own.
 //!
@@ -64,10 +64,10 @@ use crate::{ParameterError, SkeletonError};
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum SpeciesError {
-    /// A wish that the species cannot meet.
+    /// A request that the species cannot meet.
     #[error(transparent)]
     Wish(#[from] ParameterError),
-    /// Its data make a skeleton that is none.
+    /// Its data make an invalid skeleton.
     #[error(transparent)]
     Skeleton(#[from] SkeletonError),
     /// Its data make leaves that cannot be placed.

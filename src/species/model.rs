@@ -14,7 +14,7 @@ const GREEN: [f32; 3] = [0.32, 0.42, 0.16];
 const YELLOW: [f32; 3] = [0.95, 0.72, 0.3];
 const DARK: [f32; 3] = [0.55, 0.5, 0.45];
 
-/// The organ as a leaf: its foot at the origin, its length along +Y.
+/// The organ as a leaf: its base at the origin, its length along +Y.
 pub(super) fn organ(data: &Organ) -> Leaf {
     let mut model = Model::default();
     match data.kind {

@@ -76,10 +76,10 @@ impl Species {
     }
 }
 
-/// Trunks of which the sizes in the data are told, metres.
+/// Diameters of trunks for which the data give sizes, metres.
 const TRUNKS: [f32; 2] = [0.2, 0.4];
 
-/// Trees whose diameter at 1.3 m is asked for are at least so tall, metres.
+/// Least height of a tree whose diameter at 1.3 m is asked for, metres.
 const LOWEST: f32 = 1.6;
 
 /// Power of the height by which the trunk of a tree above usual height is thicker.
@@ -170,7 +170,7 @@ impl<'a> Request<'a> {
     /// The tree. Same request, same bits.
     ///
     /// # Errors
-    /// A wish that the species cannot meet, with the range that it can.
+    /// A request that the species cannot meet, with the range that it can.
     pub fn grow(&self) -> Result<Specimen, SpeciesError> {
         super::specimen::grow(self.species, self.plan()?, self.dbh, self.seed)
     }

@@ -1,4 +1,4 @@
-//! Shoots in the deepest shade die, and with them what bears nothing else.
+//! Shoots in the deepest shade die, and with them the wood that bears nothing else.
 
 use super::draw::Draw;
 use super::wood::{Rank, Wood};

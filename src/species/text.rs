@@ -4,7 +4,7 @@ use super::data::Species;
 use std::fmt::Write as _;
 use std::ops::RangeInclusive;
 
-/// Why a text is not a species.
+/// Error of reading a species from text.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[error("line {line}: {field}: {reason}")]
 #[non_exhaustive]
@@ -407,7 +407,7 @@ impl Fields for Writer {
 
 impl Species {
     /// Reads a species from its text form: lines `name = value` under `[section]`s, comments after `#`. Fields that are
-    /// not given have the default of their part; `name` is needed. What each field means stands with the parts
+    /// not given have the default of their part; `name` is needed. The parts document their fields
     /// ([`Size`](super::Size), [`Trunk`](super::Trunk), ...); texts of this form are valid TOML.
     ///
     /// ```

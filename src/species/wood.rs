@@ -37,7 +37,7 @@ impl Wood {
     }
 }
 
-/// An axis of the tree: its nodes, the base on the bearing axis included.
+/// An axis of the tree: its nodes, the base on the parent axis included.
 #[derive(Debug, Clone)]
 pub(super) struct Axis {
     pub(super) nodes: Vec<u32>,

@@ -8,7 +8,7 @@ use crate::math;
 use crate::observer::{Cancelled, Watch};
 use std::f32::consts::PI;
 
-/// The part of its radius with which a branch without a collar begins, so that its rim stays within its bearer.
+/// The part of its radius with which a branch without a collar begins, so that its rim stays within the wood it springs from.
 const HIDDEN: f32 = 0.6;
 /// Steepest taper that tilts a normal: a cone this flat is a disc.
 const STEEPEST_TAPER: f32 = 1e3;
@@ -16,8 +16,8 @@ const STEEPEST_TAPER: f32 = 1e3;
 pub(super) const DOME_SIDES: u32 = 7;
 
 impl Axes {
-    /// Has each axis begin where it comes out of what bears it, or hidden in there. To be called once, for bearers come
-    /// before what they bear.
+    /// Makes each axis begin where it comes out of its parent branch, or hidden within it. To be
+    /// called once, since parent axes come before their laterals.
     pub(super) fn attach(&mut self, options: &Tubes, watch: &Watch<'_>) -> Result<(), Cancelled> {
         for number in 0..self.all.len() {
             self.begin(number, options);
@@ -28,7 +28,7 @@ impl Axes {
         Ok(())
     }
 
-    /// Has one axis begin so.
+    /// Makes one axis begin so.
     fn begin(&mut self, number: usize, options: &Tubes) {
         let axis = &self.all[number];
         let goes_on = number > 0 && self.all[number - 1].branch == axis.branch;
@@ -67,7 +67,8 @@ impl Axes {
 
     /// The numbers of the axis out of which another comes, and of the station where.
     ///
-    /// That is the branch that bears it; or what bears that branch, if it is still within that where it has a lateral.
+    /// That is its parent branch; or the parent of that, if the parent branch is still within it
+    /// where it has this lateral.
     fn bearing(&self, axis: &Axis) -> Option<(usize, usize)> {
         // A parent branch without a surface of its own would have the branch itself there.
         let (mut bearer, mut station) =
@@ -95,7 +96,7 @@ impl Axes {
         self.all[bearer].bearing.is_none() && base.place.is_start()
     }
 
-    /// Has an axis begin within what bears it, without a collar.
+    /// Makes an axis begin within its parent branch, without a collar.
     fn hide(&mut self, number: usize, bearer: usize, base: &Near, options: &Tubes) {
         let inscribed = math::cos(PI / self.all[bearer].sides as f32);
         let within = base.radius * inscribed * self.wood(bearer).slimness(base.place);

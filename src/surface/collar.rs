@@ -42,16 +42,18 @@ const WAYWARD: f32 = 0.7;
 /// The shortest way from a collar to the next ring, in radii of the branch.
 const SHORTEST: f32 = 0.25;
 
-/// The blend between a branch and its bearer: a round fillet from the bearer's surface to the first level ring.
+/// The blend between a branch and its parent branch: a round fillet from the parent branch's
+/// surface to the first level ring.
 ///
-/// Each vertex of that ring is joined to the bearer by a quadratic Bézier curve. Its inner control point is where
-/// the branch, as a straight tube, comes out of the bearer; its end lies farther out on the bearer's triangles. So the
-/// curve leaves the bearer along the bearer and arrives along the branch.
+/// Each vertex of that ring is joined to the parent branch by a quadratic Bézier curve. Its inner
+/// control point is where the branch, as a straight tube, comes out of the parent branch; its end
+/// lies farther out on the parent branch's triangles. So the curve leaves the parent branch along
+/// its surface and arrives along the branch.
 #[derive(Debug)]
 pub(super) struct Collar {
     /// Start of the straight tube within the parent branch, which ends at the first level ring.
     pub(super) start: Station,
-    /// The bearer's ring below that start.
+    /// The parent branch's ring below that start.
     pub(super) bearing: usize,
     /// The first level ring.
     pub(super) end: Station,
@@ -63,7 +65,7 @@ pub(super) struct Collar {
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Curves {
     points: [Lanes; 3],
-    /// The bearer's normals at the feet and at the inner control points.
+    /// The parent branch's normals at the bases and at the inner control points.
     normals: [Lanes; 2],
     /// Places of the bases on the parent branch, and their turns from where its rings begin.
     pub(super) places: [(Place, f32); LANES],
@@ -75,7 +77,7 @@ impl Curves {
         a.lerp(b, t).lerp(b.lerp(c, t), t)
     }
 
-    /// The bearer's normals below the points.
+    /// The parent branch's normals below the points.
     pub(super) fn normal(&self, t: f32) -> Lanes {
         let [foot, inner] = self.normals;
         inner.lerp(foot, (1.0 - t) * (1.0 - t))
@@ -99,8 +101,8 @@ impl Curves {
 }
 
 impl Collar {
-    /// The collar of `axis`, which springs at `base` out of the wood of `bearer`; `None` for what does not come out of
-    /// it in time.
+    /// The collar of `axis`, which springs at `base` out of the wood of `bearer`; `None` for an
+    /// axis that does not come out of it in time.
     pub(super) fn of(axes: &Axes, axis: &Axis, bearer: usize, base: &Near) -> Option<Self> {
         let wood = axes.wood(bearer);
         let stations = &axes.stations[axis.stations.clone()];
@@ -137,7 +139,8 @@ impl Collar {
             let way = to.position - from.position;
             let (mut low, mut high) = ((0.0, before), (1.0, after));
             let mut part = (before / (before - after)).clamp(0.0, 1.0);
-            // A bearer that bends, tapers or flares is left sooner or later than a straight one.
+            // A parent branch that bends, tapers or flares is left sooner or later than a straight
+            // one.
             for _ in 0..6 {
                 let radius = from.radius + (to.radius - from.radius) * part;
                 let far = outside(from.position + way * part, to.tangent, radius).0;
@@ -157,7 +160,8 @@ impl Collar {
     }
 }
 
-/// The last station of a branch that is well within its bearer; from there the way out is straight.
+/// The last station of a branch that is well within its parent branch; from there the way out is
+/// straight.
 struct Inside {
     number: usize,
     station: Station,
@@ -181,7 +185,8 @@ impl Inside {
         is_straight(&start, between, end).then_some(collar)
     }
 
-    /// The start of the straight tube to `end`, so near to the bearer's axis and so thin that it is within the bearer.
+    /// The start of the straight tube to `end`, so near to the parent branch's axis and so thin
+    /// that it is within the parent branch.
     fn start(&self, end: &Station) -> Station {
         let (near, within) = (&self.near, &self.station);
         let most = OFF_AXIS * near.radius;
@@ -218,7 +223,7 @@ pub(super) fn curves(axes: &Axes, circles: &Circles, axis: &Axis, curves: &mut V
     let bearing = Bearing::new(axes, circles, (bearer, hint), start.position);
     let thickness = start.radius / CORE;
     let flare = FLARE * thickness * ((axis.sides as f32 - 3.0) / (FLARE_SIDES - 3.0)).clamp(0.2, 1.0);
-    // The edges of the foot cut through the bearer's round.
+    // The edges of the base cut through the round of the parent branch.
     let edge = TAU / axis.sides as f32 * (thickness + flare);
     let sunk = SUNK * thickness + (edge * edge / (8.0 * bearing.base.radius)).min(0.5 * thickness);
 
@@ -242,7 +247,7 @@ pub(super) fn curves(axes: &Axes, circles: &Circles, axis: &Axis, curves: &mut V
         let turned = [ways.dot(tangents.cross(normals)), ways.dot(normals)];
         let outward = points - Lanes::splat(center);
         let outward = (outward - radial * outward.dot(radial)).normalize_or(Lanes::default) * each(flare);
-        // Along the bearer's round, not off along its tangent.
+        // Along the round of the parent branch, not off along its tangent.
         let around = outward.dot(tangents.cross(radial));
         let outer = (points + outward).to_array();
         let (mut feet, mut foot_normals) = ([Vec3::ZERO; LANES], [Vec3::ZERO; LANES]);
@@ -308,13 +313,13 @@ impl<'a> Bearing<'a> {
     }
 }
 
-/// The way of the straight tube through the bearer.
+/// The way of the straight tube through the parent branch.
 struct Way {
     direction: Vec3,
     /// To the first level ring, metres.
     length: f32,
     tolerance: f32,
-    /// The bearer as a straight cylinder: the direction of its axis, its radius, and the way from there.
+    /// The parent branch as a straight cylinder: the direction of its axis, its radius, and the way from there.
     tangent: Vec3,
     radius: f32,
     from: Vec3,
@@ -334,7 +339,7 @@ impl Way {
         way
     }
 
-    /// Takes the bearer for what it is near a point, which lies so far from the start.
+    /// Takes the parent branch for what it is near a point, which lies this far from the start.
     fn straighten(&mut self, bearing: &Bearing<'_>, near: &Near, offset: Vec3) {
         let (below, above) = bearing.wood.around(near.place);
         self.tangent = below.tangent.lerp(above.tangent, near.place.part).normalize_or(below.tangent);
@@ -346,7 +351,7 @@ impl Way {
     fn guesses(&self, offsets: Lanes) -> Vec4 {
         let level = |v: Vec3| v - self.tangent * v.dot(self.tangent);
         let slope = level(self.direction);
-        // Along the bearer it never comes out.
+        // Along the parent branch it never comes out.
         let a = Vec4::splat(slope.length_squared().max(f32::MIN_POSITIVE));
         let flat = offsets + Lanes::splat(self.from);
         let tangent = Lanes::splat(self.tangent);

@@ -27,9 +27,9 @@ use glam::{Vec2, Vec3, Vec4};
 pub struct Mesh {
     /// Positions of the vertices, metres.
     pub positions: Vec<Vec3>,
-    /// A unit normal a vertex, pointing outward.
+    /// One unit normal per vertex, pointing outward.
     pub normals: Vec<Vec3>,
-    /// A tangent a vertex, or none at all: the unit direction in which u grows, perpendicular to the normal, and 1 or
+    /// One tangent per vertex, or none at all: the unit direction in which u grows, perpendicular to the normal, and 1 or
     /// -1. As in glTF, normal times tangent (the cross product) times that number is the direction in which v
     /// **falls**, for normal maps are drawn with up as up and v counts from the upper edge down.
     pub tangents: Vec<Vec4>,
@@ -44,7 +44,7 @@ pub struct Mesh {
     pub indices: Vec<u32>,
 }
 
-/// Why some arrays are not a mesh.
+/// Error of checking a mesh.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum MeshError {

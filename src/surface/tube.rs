@@ -288,7 +288,7 @@ impl Tubes {
         ParameterError::unless((1e-4..=1e4).contains(&self.tile), "Tubes.tile", self.tile, "1e-4 to 1e4 m")
     }
 
-    /// Sides of a branch so thick.
+    /// Number of sides of a branch of this radius.
     pub(super) fn sides_of(&self, radius: f32, thickest: f32) -> u32 {
         if let Some(error) = self.error {
             // The polygon's sides are `radius·(1 - cos(π / sides))` off.

@@ -165,8 +165,8 @@ struct Weaver<'a> {
     round: Round,
     /// Bends of its level rings; none if not wanted.
     bends: Vec<Bend>,
-    /// Of the feet of its collar the moments that they have from the bearer's triangles besides those of its first level
-    /// ring, and the bearer's node.
+    /// For each foot of its collar the moments from the parent branch's triangles, less those of
+    /// its first level ring, and the parent branch's node.
     feet: Vec<([Vec3; 3], u32)>,
     blower: Option<(&'a Sway, usize)>,
     watch: &'a Watch<'a>,
@@ -402,7 +402,7 @@ impl Weaver<'_> {
         self.blow(self.line.len() - 1, None);
     }
 
-    /// The texture coordinate v so far beyond the last ring, metres.
+    /// The texture coordinate v this far beyond the last ring, metres.
     fn beyond(&self, last: &Station, way: f32) -> f32 {
         if self.options.square_tiles {
             self.course[self.course.len() - 1] + way * self.pace(last.radius)

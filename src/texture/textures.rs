@@ -77,7 +77,7 @@ impl Textures {
         self.transmission.as_ref()
     }
 
-    /// Below which alpha nothing is drawn, if anything is cut out.
+    /// Alpha below which nothing is drawn, if anything is cut out.
     pub fn alpha_cutoff(&self) -> Option<f32> {
         self.alpha_cutoff
     }

@@ -145,7 +145,7 @@ impl<'a> Graft<'a> {
     /// Hangs subtrees on nearby nodes where that saves wood and strain, until no such move saves more than
     /// [`LEAST_SAVING`] of the wood. Returns whether there was any.
     ///
-    /// O(n k h) a sweep for k neighbours and trees h nodes deep.
+    /// O(n k h) per sweep for k neighbours and trees h nodes deep.
     pub(super) fn rehang(&mut self) -> bool {
         let wood: f64 =
             (1..self.draft.len() as u32).map(|node| self.thick[node as usize] * self.length(node)).sum();

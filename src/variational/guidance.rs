@@ -30,7 +30,7 @@ pub struct GuidanceShape {
 /// More would not fit the numbers and the memory of today's machines.
 const MOST: usize = 20_000_000;
 
-/// Candidates a shape node wanted, from which those far apart are taken.
+/// Candidates per wanted shape node, from which those far apart are taken.
 const CANDIDATES: usize = 5;
 
 impl GuidanceShape {

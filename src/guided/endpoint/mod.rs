@@ -24,7 +24,7 @@ use std::sync::Arc;
 /// - Endpoints are nodes of the graph; any other ends the synthesis with [`SearchError::UnknownEndpoint`]. One that
 ///   no path leads to ends it with [`SearchError::Unreachable`]; [`StageView::is_reachable`] tells them apart.
 ///   One that is named twice or is on the tree already is allowed and adds nothing.
-/// - What looks at costs, paths or sources says so in [`needs_search`](Self::needs_search). If it does not, it is
+/// - A policy that looks at costs, paths or sources says so in [`needs_search`](Self::needs_search). If it does not, it is
 ///   asked before the search, and sees none.
 /// - The same view gives the same endpoints: randomness comes from [`StageView::stream`].
 ///
@@ -86,7 +86,7 @@ macro_rules! forward {
 }
 forward!(&T, Box<T>, Arc<T>);
 
-/// Why a policy found no endpoints.
+/// Error of choosing endpoints.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum EndpointError {

@@ -156,7 +156,7 @@ impl<S: Shape> EndpointPolicy for InShape<S> {
     }
 }
 
-/// Radii an octave, and octaves each way from 1 m.
+/// Radii per octave, and octaves each way from 1 m.
 const RADII: i32 = 16;
 const OCTAVES: i32 = 128;
 

@@ -25,7 +25,7 @@ use std::sync::Arc;
 /// it lies within 3 r(p) of their start p (for more than 8 sectors as far as in [`PoissonYao`](super::PoissonYao)).
 /// The root is a node.
 ///
-/// Cost: as for as many nodes of one spacing, about twice as long where r changes as fast as it may; 8 more bytes a
+/// Cost: as for as many nodes of one spacing, about twice as long where r changes as fast as it may; 8 more bytes per
 /// node for r, and up to 64 while edges are found. With the feature `parallel` tiles are filled on several threads, and the result is the same to the bit.
 ///
 /// ```
@@ -57,7 +57,7 @@ pub struct GradedYao<S, F> {
     sectors: usize,
     /// Those asked for; none for one at the origin or at the base of each leader.
     roots: Option<Vec<Vec3>>,
-    /// One a root; the last one for all that follow.
+    /// One per root; the last one for all that follow.
     #[cfg_attr(feature = "serde", serde(default))]
     leaders: Vec<Leader>,
     #[cfg_attr(feature = "serde", serde(skip))]
@@ -86,7 +86,7 @@ const MAX_DISCS: f32 = 3e9;
 const MAX_EDGES: f32 = 4e9;
 /// Steeper ones would let a tile have many more cells than nodes: see `Octree::grow`.
 const MAX_GRADING: f32 = 0.14;
-/// Points of the lattice: the fewest, the most, and how many a node.
+/// Points of the lattice: the fewest, the most, and how many per node.
 const POINTS: [f32; 2] = [32_768.0, 4e6];
 const POINTS_A_NODE: f32 = 2.0;
 /// Length of a leader's internodes, in spacings.

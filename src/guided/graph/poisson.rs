@@ -39,7 +39,7 @@ pub struct PoissonYao<S> {
     sectors: usize,
     /// Those asked for; none for one at the origin, or at the base of the leader or of each tree.
     roots: Option<Vec<Vec3>>,
-    /// One a root; the last one for all that follow.
+    /// One per root; the last one for all that follow.
     #[cfg_attr(feature = "serde", serde(default))]
     leaders: Vec<Leader>,
     #[cfg_attr(feature = "serde", serde(default))]

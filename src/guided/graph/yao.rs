@@ -273,7 +273,7 @@ fn outside_octant(octant: usize, from: Vec3, min: Vec3, max: Vec3) -> bool {
     (low & min.cmpge(from) | !low & max.cmplt(from)).any()
 }
 
-/// Points sorted into the cells of a lattice, about four a cell where most of them are.
+/// Points sorted into the cells of a lattice, about four per cell where most of them are.
 struct Cells {
     min: Vec3,
     side: f32,

@@ -68,7 +68,7 @@ pub(super) enum Node<P> {
 pub(super) struct Leaf<P> {
     pub(super) part: P,
     pub(super) lipschitz: f32,
-    /// To within which roots are wanted, metres.
+    /// Tolerance of roots, metres.
     pub(super) tolerance: f32,
     /// Work of a value there because of many primitives, in values of [`CROWD`] primitives.
     pub(super) crowd: usize,
@@ -84,13 +84,13 @@ pub(super) struct Inner<P> {
 pub(super) struct Octree<'a, S: Solid> {
     solid: &'a S,
     view: &'a View,
-    /// Samples of the view a pixel, in each direction.
+    /// Samples of the view per pixel, in each direction.
     samples: f32,
     pub(super) cube: Cube,
     pub(super) root: Node<S::Part>,
     cubes: AtomicUsize,
     most: usize,
-    /// The work of crowded values, and how much of it there may be.
+    /// The work of crowded values, and its limit.
     work: AtomicUsize,
     most_work: usize,
 }

@@ -254,8 +254,8 @@ impl<'o, S: Solid, V: FnMut(Crossing<'o, S::Part>) -> ControlFlow<()>> Walk<'_, 
     }
 }
 
-/// Between two places of which one is inside, the root to within `tolerance` and on the outer side. By regula falsi that
-/// keeps off both ends, so that neither stays where it is for long.
+/// Between two places of which one is inside, the root to within `tolerance` and on the outer side.
+/// Regula falsi that keeps off both ends, so that neither stays where it is for long.
 fn root(
     mut a: (f32, f32),
     mut b: (f32, f32),

@@ -117,7 +117,7 @@ impl fmt::Display for Flaws {
     }
 }
 
-/// Why some triangles enclose nothing.
+/// Error of making a solid of triangles.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum TriangleMeshError {
@@ -169,7 +169,7 @@ pub enum TriangleMeshError {
     /// An option out of its range.
     #[error(transparent)]
     Parameter(#[from] ParameterError),
-    /// A file that cannot be read: its kind, the place in it, what was found and what would do.
+    /// A file that cannot be read: its kind, the place in it, what was found and what is required.
     #[cfg(feature = "import")]
     #[error("{0}")]
     File(String),

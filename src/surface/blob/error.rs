@@ -4,7 +4,7 @@ use crate::observer::Cancelled;
 use crate::{Bounds, ParameterError};
 use glam::Affine3A;
 
-/// Why no [`BlobTree`](super::BlobTree) can be made of some parts.
+/// Error of making a [`BlobTree`](super::BlobTree).
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum BlobError {

@@ -126,7 +126,8 @@ fn interleaved([r, g, b]: [[u8; 4]; 3]) -> [u8; 12] {
     [r[0], g[0], b[0], r[1], g[1], b[1], r[2], g[2], b[2], r[3], g[3], b[3]]
 }
 
-/// The mean of `of` each of some numbers of all rows; summed row by row in lanes, so that threads do not matter.
+/// The mean of `of` over a channel of all rows; summed row by row in lanes, so that threads do not
+/// matter.
 fn mean(rows: &[Row], channel: usize, of: impl Fn(Vec4) -> Vec4 + Sync + Send) -> f32 {
     let sums = parallel::map(rows.len(), |y| {
         let quads = rows[y].colors[channel].chunks_exact(4);
@@ -168,7 +169,7 @@ struct Coarse {
     heights: Vec<f32>,
 }
 
-/// Between which two of the coarse grid a pixel is, and how far.
+/// The two cells of the coarse grid between which a pixel lies, and the fraction of the way.
 struct Between {
     before: usize,
     behind: usize,

@@ -76,7 +76,7 @@ impl Coat {
         self
     }
 
-    /// Pixels a side, a power of two from 16 to 8192; default 256.
+    /// Pixels per side, a power of two from 16 to 8192; default 256.
     pub fn with_resolution(mut self, pixels: u32) -> Self {
         self.resolution = pixels;
         self

@@ -122,7 +122,7 @@ pub struct Bark {
     color: [u8; 3],
     /// The mean colour of young wood.
     young: [u8; 3],
-    /// The outer surface, what is deep, and what is special.
+    /// Colours of the outer surface, of hollows, and of special parts.
     palette: [[u8; 3]; 3],
     spread: f32,
     seed: u64,
@@ -239,7 +239,7 @@ impl Bark {
         self
     }
 
-    /// The side of the tile, metres, 0.01 to 100. What is on it grows with it; the depth does not.
+    /// The side of the tile, metres, 0.01 to 100. Ridges and plates grow with it; the depth does not.
     pub fn with_size(mut self, metres: f32) -> Self {
         self.size = metres;
         self
@@ -263,8 +263,9 @@ impl Bark {
         self
     }
 
-    /// The colours of the outer surface, of what is deep, and of what is special to the kind (lenticels, fresh flakes,
-    /// lichen), sRGB. All are then multiplied by one colour, so that the mean is [`with_color`](Self::with_color)'s.
+    /// The colours of the outer surface, of hollows, and of parts special to the kind (lenticels,
+    /// fresh flakes, lichen), sRGB. All are then multiplied by one colour, so that the mean is
+    /// [`with_color`](Self::with_color)'s.
     pub fn with_palette(mut self, outer: [u8; 3], deep: [u8; 3], special: [u8; 3]) -> Self {
         self.palette = [outer, deep, special];
         self
@@ -282,7 +283,7 @@ impl Bark {
         self
     }
 
-    /// Pixels a side, a power of two from 16 to 8192; default 1024.
+    /// Pixels per side, a power of two from 16 to 8192; default 1024.
     pub fn with_resolution(mut self, pixels: u32) -> Self {
         self.resolution = pixels;
         self

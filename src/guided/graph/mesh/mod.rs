@@ -1,4 +1,4 @@
-//! A graph on a surface of triangles, for what climbs: ivy, roots on a rock.
+//! A graph on a surface of triangles, for climbers such as ivy, or roots on a rock.
 
 mod nodes;
 mod triangles;
