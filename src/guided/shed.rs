@@ -67,7 +67,7 @@ impl Shedding {
             fits,
             "Shedding.least_density",
             self.least_density,
-            "finite and at least 0 a metre",
+            "finite and at least 0 per metre",
         )
     }
 

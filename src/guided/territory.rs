@@ -51,7 +51,7 @@ impl<W: WeightFn> WeightFn for Territory<W> {
 
     fn check(&self) -> Result<(), ParameterError> {
         let price = self.price;
-        ParameterError::unless(price >= 0.0, "Territory.price", price, "at least 0 a metre, or infinite")?;
+        ParameterError::unless(price >= 0.0, "Territory.price", price, "at least 0 per metre, or infinite")?;
         for root in &self.roots {
             ParameterError::unless(root.is_finite(), "Territory.roots", root, "finite, in metres")?;
         }

@@ -81,7 +81,7 @@ pub enum PreviewError {
     /// Thousands of primitives overlap at one place: the picture would take a hundred times as long
     /// as others.
     #[error(
-        "thousands of primitives are felt at one place, so that rays there would take minutes; draw a mesh of the surface, or a \
+        "thousands of primitives overlap at one place, so that rays there would take minutes; draw a mesh of the surface, or a \
          skeleton of fewer branches at one node"
     )]
     Crowded,

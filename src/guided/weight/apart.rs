@@ -45,7 +45,7 @@ impl<W: WeightFn> WeightFn for Apart<W> {
 
     fn check(&self) -> Result<(), ParameterError> {
         let fits = self.price >= 0.0 && self.price.is_finite();
-        ParameterError::unless(fits, "Apart.price", self.price, "finite and at least 0 a metre")?;
+        ParameterError::unless(fits, "Apart.price", self.price, "finite and at least 0 per metre")?;
         self.weight.check()
     }
 }
