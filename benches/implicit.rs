@@ -15,7 +15,7 @@ use treesynth::surface::Implicit;
 
 /// Nodes of the graph: as many as give about 17,000 segments.
 const NODES: usize = 1_000_000;
-/// What is wanted of 21,000 segments on two threads, milliseconds. Time grows with the segments.
+/// Goal for 21,000 segments on two threads, milliseconds. Time grows with the segments.
 const GOAL: f64 = 5000.0;
 const GOAL_SEGMENTS: f64 = 21_000.0;
 
@@ -36,7 +36,7 @@ fn rod() -> Vec<Vec3> {
         .collect()
 }
 
-/// How far from the rod's surface each middle of a voxel is, in voxels.
+/// Distance of each voxel's middle from the rod's surface, in voxels.
 fn samples_of(rod: &[Vec3], shape: &RuntimeShape<u32, 3>) -> Vec<f32> {
     let distance = |point: Vec3, from: Vec3, to: Vec3| {
         let way = to - from;

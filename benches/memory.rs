@@ -17,7 +17,7 @@ use treesynth::{Observer, Progress, Work};
 #[global_allocator]
 static HEAP: PeakAlloc = PeakAlloc;
 
-/// What is wanted, bytes per node.
+/// Goal, bytes per node.
 const GOAL: f64 = 100.0;
 
 /// Notes the peak of each step, bytes above what was in use before.
@@ -43,7 +43,7 @@ struct Usage {
     nodes: usize,
     /// The most in use while nodes are placed, edges are found, paths are searched, radii are worked out.
     peaks: [usize; 4],
-    /// What the finished graph holds.
+    /// Memory of the finished graph.
     graph: usize,
 }
 

@@ -11,9 +11,10 @@ const WHOLE: &str = "whole tree";
 const STANDING: &str = "on a standing graph";
 const REUSED: &str = "on a standing graph, search reused";
 
-/// What is wanted of the whole tree and of a tree on a standing graph, milliseconds.
+/// Goals for the whole tree and for a tree on a standing graph, milliseconds.
 const GOALS: [f64; 2] = [1000.0, 250.0];
-/// What the paper measured (section 4, one CPU of 2.8 GHz): the whole, its graph, its paths; milliseconds.
+/// The paper's measurement (section 4, one CPU of 2.8 GHz): the whole, its graph, its paths;
+/// milliseconds.
 const PAPER: [f64; 3] = [9500.0, 6000.0, 2000.0];
 
 fn main() {

@@ -57,7 +57,7 @@ fn run() {
     };
     let frames = measure::size(FRAMES, 3);
     let (mut samples, mut rows) = (Samples::default(), Vec::new());
-    // How often, in seconds what is wanted and what the paper took, and the work.
+    // Number of runs, goal and paper's time in seconds, and the work.
     let mut time = |name: &str, times: usize, [goal, paper]: [f64; 2], work: &mut dyn FnMut()| {
         samples.repeat(times, name, work);
         let Some(milliseconds) = samples.median(name) else { return };

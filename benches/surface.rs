@@ -8,10 +8,10 @@ use treesynth::surface::{Capsules, Levels, Tubes};
 
 /// Nodes of the graph: four times the typical number, for about 16,000 segments.
 const NODES: usize = 600_000;
-/// What is wanted of so many segments at 8 sides, milliseconds. Time grows with the segments.
+/// Goal for `GOAL_SEGMENTS` segments at 8 sides, milliseconds. Time grows with the segments.
 const GOAL: f64 = 15.0;
 const GOAL_SEGMENTS: f64 = 21_000.0;
-/// What is measured on two threads too.
+/// The row that is measured on two threads too.
 const TWO: &str = "levels, two threads";
 
 fn main() {

@@ -190,7 +190,8 @@ impl Options {
         Ok(files)
     }
 
-    /// By its whole name, or by what it ends in; the drawings in the plane are those of a figure.
+    /// The preset of this whole name, or of this ending of a name; the drawings in the plane are
+    /// those of a figure.
     fn preset(&self) -> Result<&'static Grown, Failure> {
         let ending = format!("-{}", self.name_of_tree.to_lowercase());
         match presets::grown().find(|preset| !preset.planar && preset.name.ends_with(&ending)) {
@@ -253,7 +254,7 @@ impl Look {
     /// In tubes, or in a skin with scars and ridges.
     fn draw(&self, preset: &Grown, preview: &Preview, skin: bool) -> Result<Picture, Failure> {
         let parts = self.parts(preset);
-        // What has no internode yet has no bark.
+        // A tree without an internode has no bark yet.
         if !skin || self.stand.skeleton.segments() == 0 {
             return Ok(preview.draw_parts(&parts)?);
         }
