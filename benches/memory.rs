@@ -1,4 +1,5 @@
-//! The most heap that a whole tree has in use, counted by the allocator, step by step, in bytes per node; and of a skin.
+//! The most heap that a whole tree has in use, counted by the allocator, step by step, in bytes per node; and
+//! of a skin.
 //!
 //! Apart from the other benches, for the counting allocator grows blocks by copying them and fills zeroed ones
 //! by hand: its times are no use, and its peak is what an allocator needs that can do no better.

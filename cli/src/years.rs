@@ -37,7 +37,8 @@ pub(crate) struct Options {
     /// Seed, 0 to 18446744073709551615 [default: the preset's]
     #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = number(0..=u64::MAX, ""))]
     seed: Option<u64>,
-    /// Pictures of the animation NAME.apng, 2 to 1000, or 0 for none [default: one per year; 48 of less than two years]
+    /// Pictures of the animation NAME.apng, 2 to 1000, or 0 for none [default: one per year; 48 of less than
+    /// two years]
     #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = number(0..=1000_u32, "pictures"))]
     frames: Option<u32>,
     /// Age at which the animation begins, years [default: 0.6, the first summer]

@@ -91,8 +91,9 @@ impl Impostor {
         ParameterError::unless(cell >= 16, "Impostor.grid", self.grid, range)
     }
 
-    /// Crossed billboards, which every engine shows: a part `impostor` with four triangles per picture, two for each side.
-    /// Their alpha is scaled so that the covered area, on the average of several views, is that of the model.
+    /// Crossed billboards, which every engine shows: a part `impostor` with four triangles per picture, two
+    /// for each side. Their alpha is scaled so that the covered area, on the average of several views, is
+    /// that of the model.
     ///
     /// # Errors
     /// An option out of range; parts that cannot be drawn; nothing to be seen.

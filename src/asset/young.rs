@@ -38,8 +38,8 @@ impl Young {
         self.radius.min(THIN * thickest)
     }
 
-    /// Takes thin wood out of a piece of bark whose vertices have wind, which names their nodes. The triangles of both are
-    /// those that there were.
+    /// Takes thin wood out of a piece of bark whose vertices have wind, which names their nodes. The
+    /// triangles of both are those that there were.
     pub(super) fn split(&self, old: &mut Piece, skeleton: &Skeleton, has_sections: bool) -> Piece {
         let change = self.radius_of(skeleton);
         let thin = Thin::of(skeleton, change);

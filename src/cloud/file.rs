@@ -56,7 +56,8 @@ fn fields(line: &[u8]) -> Vec<&[u8]> {
 
 impl Cloud {
     /// Reads the positions `x`, `y`, `z` of the element `vertex` of a PLY file: text or binary of either byte order, of any kind
-    /// of number; everything else is passed over. No count in the header is believed. 24 bytes per point beside the cloud.
+    /// of number; everything else is passed over. No count in the header is believed. 24 bytes per point
+    /// beside the cloud.
     ///
     /// # Errors
     /// A frame out of range; what cannot be read, by the line or byte; lines of a text with more numbers than its header
@@ -118,8 +119,8 @@ impl Cloud {
     /// count), are passed over.
     ///
     /// # Errors
-    /// A frame out of range; whatever the reader returns; a line with fewer than three numbers, or with a word that is no number; points that
-    /// are not finite or too far off.
+    /// A frame out of range; whatever the reader returns; a line with fewer than three numbers, or with a
+    /// word that is no number; points that are not finite or too far off.
     pub fn read_xyz(frame: &Frame, reader: impl Read) -> Result<Self, CloudError> {
         frame.check()?;
         let mut lines = Lines::new(BufReader::with_capacity(1 << 16, reader));

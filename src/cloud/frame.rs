@@ -17,8 +17,9 @@ const WIDEST: f64 = 1e4;
 ///
 /// A file's numbers are read as `f64`; the offset is taken off in the file's own axes and unit; what is left is turned upright and
 /// multiplied by the unit, and only then made `f32`. Writing goes the other way. Numbers in a survey's coordinates (UTM: hundreds of
-/// kilometres east, thousands north) thus lose nothing that a scanner measures. Without an offset and in metres, every `f32` comes
-/// back as the same bits; with one, to within the last bit of an `f64` of the file's size, 1e-9 m for UTM.
+/// kilometres east, thousands north) thus lose nothing that a scanner measures. Without an offset and in
+/// metres, every `f32` comes back as the same bits; with one, to within the last bit of an `f64` of the
+/// file's size, 1e-9 m for UTM.
 ///
 /// ```
 /// use treesynth::cloud::{Cloud, Frame};

@@ -90,9 +90,9 @@ fn las_places(reader: impl Read + Seek + Send + Sync + 'static) -> Result<Vec<DV
 }
 
 impl Cloud {
-    /// Reads the positions of all points of a LAS or LAZ file, versions 1.0 to 1.4; everything else is passed over. 24 bytes per point
-    /// beside the cloud. Where compressed points are damaged, the decoder's panic is caught: its message goes to standard error,
-    /// and a program built with `panic = "abort"` ends.
+    /// Reads the positions of all points of a LAS or LAZ file, versions 1.0 to 1.4; everything else is passed
+    /// over. 24 bytes per point beside the cloud. Where compressed points are damaged, the decoder's panic is
+    /// caught: its message goes to standard error, and a program built with `panic = "abort"` ends.
     ///
     /// # Errors
     /// A frame out of range; a header or a point that cannot be read, by its number; a file cut short; points that are not finite or

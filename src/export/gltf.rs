@@ -108,8 +108,8 @@ pub fn write_glb_levels<'a>(
     write_document(&document, writer)
 }
 
-/// Writes trees in their places: one node each, with one node per part below it. Meshes and images that are the same, wherever they
-/// lie in memory, are written once.
+/// Writes trees in their places: one node each, with one node per part below it. Meshes and images that are
+/// the same, wherever they lie in memory, are written once.
 ///
 /// O(vertices + triangles + instances of all that differs, and again of what is the same) time.
 ///

@@ -281,7 +281,8 @@ impl Vertices {
 }
 
 /// Writes a skeleton as an MTG of two scales, a plant `P` and nodes `N`: `<` along an axis, `+` where a branch begins, the features
-/// `XX`, `YY`, `ZZ` and `diameter`. Nodes are numbered from 1 as in the skeleton. O(n), and one tab per order.
+/// `XX`, `YY`, `ZZ` and `diameter`. Nodes are numbered from 1 as in the skeleton. O(n), and one tab per
+/// order.
 ///
 /// # Errors
 /// A frame out of range; branch orders above 500, each of which is a column; whatever the writer returns.

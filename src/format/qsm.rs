@@ -270,8 +270,8 @@ fn nodes_of(rows: &[Row], cylinders: &[Cylinder], sorted: &Sorted) -> (Vec<Node>
 /// Writes the least table that `rTwig`'s users agreed on: `ID, parentID, startX, startY, startZ, endX, endY, endZ, radius, length,
 /// branchOrder, branchID, segmentID, parentSegmentID`.
 ///
-/// One row per internode, in the order of the nodes: number, branch and segment from 1, the parents' 0 where there is none. A segment
-/// is the way from one fork to the next. O(n).
+/// One row per internode, in the order of the nodes: number, branch and segment from 1, the parents' 0 where
+/// there is none. A segment is the way from one fork to the next. O(n).
 ///
 /// # Errors
 /// A frame out of range; a skeleton of one node, which has no internode; whatever the writer returns.

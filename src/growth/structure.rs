@@ -1,8 +1,8 @@
 //! The part of a tree that does not depend on its age: the branches that it ever has, the length of
 //! each in each year, the number of metamers of its shoots, and the age at which it is lost.
 //!
-//! Branches are numbered by the year in which they sprout, so that a parent branch comes before its laterals; nodes
-//! are numbered year by year. Neither number ever changes.
+//! Branches are numbered by the year in which they sprout, so that a parent branch comes before its laterals;
+//! nodes are numbered year by year. Neither number ever changes.
 
 /// Uses of a branch's random numbers; the stages of its streams.
 #[derive(Debug, Clone, Copy)]

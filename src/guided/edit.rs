@@ -16,9 +16,9 @@ use std::sync::Arc;
 /// faster than by growing anew: an endpoint, a shape or an obstacle that moves, another rule.
 ///
 /// A stage's search is brought up to date where its tree, its rule or its weights have changed; its endpoints are chosen
-/// again if anything it sees has changed. The trees are those of [`TreeSynth::grow_all`], to the bit. The amount that is searched
-/// anew depends on how far the change reaches: all paths from a place that has changed, and all that
-/// are better now.
+/// again if anything it sees has changed. The trees are those of [`TreeSynth::grow_all`], to the bit. The
+/// amount that is searched anew depends on how far the change reaches: all paths from a place that has
+/// changed, and all that are better now.
 ///
 /// Results depend on what a rule or a weight asks for. One that asks for [`Fork`](super::Fork)s
 /// sees every fork whose tips or length have changed, so that mostly everything is searched anew.
@@ -30,8 +30,8 @@ use std::sync::Arc;
 /// [outermost fraction](super::HopSurface::with_outermost), are chosen among all candidates, so that some
 /// change far away too.
 ///
-/// Memory: 36 bytes per node and stage, 4 bytes per edge. Stages that [refine](super::Refinement) are refused: their
-/// graph is another one after every edit.
+/// Memory: 36 bytes per node and stage, 4 bytes per edge. Stages that [refine](super::Refinement) are
+/// refused: their graph is another one after every edit.
 ///
 /// ```
 /// use treesynth::{Silent, glam::Vec3};

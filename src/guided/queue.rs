@@ -7,7 +7,8 @@
 
 use std::collections::BinaryHeap;
 
-/// Entries of a bucket, on average; half and a quarter as many are 4% slower. The entries of a bucket are worked out together.
+/// Entries of a bucket, on average; half and a quarter as many are 4% slower. The entries of a bucket are
+/// worked out together.
 const FILL: usize = 64;
 
 /// Range of costs that the buckets cover, in ranges of most of the frontier; the rest is for nodes

@@ -2,7 +2,8 @@
 //!
 //! Ramalingam and Reps 1996, "An Incremental Algorithm for a Generalization of the Shortest-Path Problem", with one more
 //! thing to see to: a node's vector is fixed when the node is settled, from its path, so where a path changes, all that
-//! hangs on it is searched anew, even if its cost stays. The result is that of a search from nothing, to the bit.
+//! hangs on it is searched anew, even if its cost stays. The result is that of a search from nothing, to the
+//! bit.
 
 use super::fork::Fork;
 use super::graph::Graph;

@@ -298,7 +298,8 @@ struct Ahead {
 }
 
 impl Ahead {
-    /// With room for nodes of sixteen edges, so that there is one allocation per array and not one per doubling.
+    /// With room for nodes of sixteen edges, so that there is one allocation per array and not one per
+    /// doubling.
     fn new() -> Self {
         Self {
             first: 0,

@@ -6,8 +6,8 @@ use crate::skeleton::{Skeleton, SkeletonError};
 /// Takes branches away that bear less than their length deserves, as trees do with limbs in deep shade.
 ///
 /// A branch ends at its last fork if more than the [bare end](Self::with_bare_end) lies beyond it, and falls whole, with
-/// all it bears, if it has none or fewer tips per metre of its axis than the [least density](Self::with_least_density). Branches
-/// that become bare by this fall too. The trunk stays.
+/// all it bears, if it has none or fewer tips per metre of its axis than the [least
+/// density](Self::with_least_density). Branches that become bare by this fall too. The trunk stays.
 ///
 /// ```
 /// use treesynth::{Skeleton, glam::Vec3, guided::Shedding};

@@ -1,7 +1,8 @@
 //! From triangles to pixels, a strip of rows at a time.
 //!
 //! Each strip holds for every sample the nearest triangle and its nearness. Only when all are in is anything
-//! shaded, once per pixel and triangle. Thin triangles (see [`raster`]) are laid over the pixels by their area.
+//! shaded, once per pixel and triangle. Thin triangles (see [`raster`]) are laid over the pixels by their
+//! area.
 
 mod cast;
 mod soft;

@@ -112,8 +112,8 @@ const ROOTED: f32 = 0.1;
 /// Triangles are seen from outside (counter-clockwise), unless a part is two-sided. Colours are linear (not sRGB).
 ///
 /// Time: about that of looking at every triangle three times plus that of the samples the tree covers; well under
-/// a second for 350,000 triangles on 900 by 900 pixels. Memory: about 40 MB, 12 bytes per vertex (24 of instances), 24
-/// bytes per triangle.
+/// a second for 350,000 triangles on 900 by 900 pixels. Memory: about 40 MB, 12 bytes per vertex (24 of
+/// instances), 24 bytes per triangle.
 ///
 /// ```
 /// use treesynth::{Skeleton, glam::Vec3, preview::Preview, surface::Tubes};

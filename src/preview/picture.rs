@@ -11,8 +11,8 @@ pub(super) const LONGEST_SIDE: u32 = 16_384;
 /// Most pixels of a picture: 192 MiB.
 pub(super) const MOST_PIXELS: u64 = 1 << 26;
 
-/// An RGB picture with 8 bits per channel, sRGB, opaque unless it is drawn otherwise. x goes right, y goes down, (0, 0) is the upper left corner of the
-/// upper left pixel.
+/// An RGB picture with 8 bits per channel, sRGB, opaque unless it is drawn otherwise. x goes right, y goes
+/// down, (0, 0) is the upper left corner of the upper left pixel.
 ///
 /// Whatever is drawn outside is cut off.
 ///
@@ -131,7 +131,8 @@ impl Picture {
 
     /// Writes `text` with its upper left corner at (`x`, `y`), each dot of the 5 by 8 font `scale` pixels wide.
     ///
-    /// A character takes 6 dots, a line 10; `\n` starts a new line. Other than printable ASCII, characters become boxes.
+    /// A character takes 6 dots, a line 10; `\n` starts a new line. Other than printable ASCII, characters
+    /// become boxes.
     pub fn label(&mut self, text: &str, x: i32, y: i32, scale: u32, color: [u8; 3]) {
         for (column, row) in font::cells(text) {
             let at = |start: i32, cells: u32| {

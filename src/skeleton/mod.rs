@@ -203,8 +203,8 @@ impl Skeleton {
     /// ```
     ///
     /// # Errors
-    /// When there is not one order per node, the root's is not 0, one is neither its parent's nor one more, or two
-    /// children have their parent's.
+    /// When there is not one order per node, the root's is not 0, one is neither its parent's nor one more,
+    /// or two children have their parent's.
     pub fn with_orders(mut self, orders: Vec<u16>) -> Result<Self, SkeletonError> {
         same_length("orders", orders.len(), self.len())?;
         branch::check_orders(&self, &orders)?;

@@ -1,8 +1,8 @@
 //! Trees by name: species as data, grown to the height, trunk or age that is asked for.
 //!
-//! [`by_name`] finds a species, [`Species::request`] begins a request, [`Request::grow`] gives a [`Specimen`]:
-//! skeleton, radii, leaves and the numbers behind them. A species is a text ([`Species::parse`]); `docs/species.md`
-//! explains how to write one's own.
+//! [`by_name`] finds a species, [`Species::request`] begins a request, [`Request::grow`] gives a
+//! [`Specimen`]: skeleton, radii, leaves and the numbers behind them. A species is a text
+//! ([`Species::parse`]); `docs/species.md` explains how to write one's own.
 //!
 //! ```
 //! use treesynth::species;

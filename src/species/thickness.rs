@@ -1,4 +1,5 @@
-//! Radii: twigs by the species' twig radius with its spread, the wood below by pipes, stems by the measured profile.
+//! Radii: twigs by the species' twig radius with its spread, the wood below by pipes, stems by the measured
+//! profile.
 //!
 //! Pipes: the p-th power of a radius is the sum of those that it bears. The exponent is the one by which the pipes of
 //! the trunk at 1.3 m have the diameter asked for, so that twigs, limbs and trunk fit one another.

@@ -8,7 +8,8 @@ use crate::math;
 use crate::observer::{Cancelled, Watch};
 use std::f32::consts::PI;
 
-/// The part of its radius with which a branch without a collar begins, so that its rim stays within the wood it springs from.
+/// The part of its radius with which a branch without a collar begins, so that its rim stays within the wood
+/// it springs from.
 const HIDDEN: f32 = 0.6;
 /// Steepest taper that tilts a normal: a cone this flat is a disc.
 const STEEPEST_TAPER: f32 = 1e3;

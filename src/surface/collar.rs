@@ -319,7 +319,8 @@ struct Way {
     /// To the first level ring, metres.
     length: f32,
     tolerance: f32,
-    /// The parent branch as a straight cylinder: the direction of its axis, its radius, and the way from there.
+    /// The parent branch as a straight cylinder: the direction of its axis, its radius, and the way from
+    /// there.
     tangent: Vec3,
     radius: f32,
     from: Vec3,

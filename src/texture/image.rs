@@ -4,8 +4,9 @@ use super::TextureError;
 use crate::{ParameterError, math};
 use std::io::{self, BufRead, Seek, Write};
 
-/// An image with 8 bits per channel: 1 channel (grey), 3 (red, green, blue) or 4 (red, green, blue, alpha). Rows from the top,
-/// pixels from the left; the texture coordinate (0, 0) is the upper left corner, as in glTF.
+/// An image with 8 bits per channel: 1 channel (grey), 3 (red, green, blue) or 4 (red, green, blue, alpha).
+/// Rows from the top, pixels from the left; the texture coordinate (0, 0) is the upper left corner, as in
+/// glTF.
 ///
 /// The map decides what the numbers mean: colours are sRGB, everything else is linear.
 ///

@@ -24,8 +24,8 @@ use std::sync::Arc;
 /// - Endpoints are nodes of the graph; any other ends the synthesis with [`SearchError::UnknownEndpoint`]. One that
 ///   no path leads to ends it with [`SearchError::Unreachable`]; [`StageView::is_reachable`] tells them apart.
 ///   One that is named twice or is on the tree already is allowed and adds nothing.
-/// - A policy that looks at costs, paths or sources says so in [`needs_search`](Self::needs_search). If it does not, it is
-///   asked before the search, and sees none.
+/// - A policy that looks at costs, paths or sources says so in [`needs_search`](Self::needs_search). If it
+///   does not, it is asked before the search, and sees none.
 /// - The same view gives the same endpoints: randomness comes from [`StageView::stream`].
 ///
 /// [`SearchError::UnknownEndpoint`]: super::SearchError::UnknownEndpoint

@@ -37,7 +37,8 @@ pub struct OrderTraits {
     pub angle: f32,
     /// Its standard deviation, radians.
     pub angle_spread: f32,
-    /// Change of their tilt along the way, radians per metre, the mean weighted by length: above 0 they turn down.
+    /// Change of their tilt along the way, radians per metre, the mean weighted by length: above 0 they turn
+    /// down.
     pub bend: f32,
     /// Metres of parent branches, bare bases not counted, for one of them; 0 for the trunk.
     pub spacing: f32,

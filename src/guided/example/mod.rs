@@ -32,10 +32,11 @@ use std::sync::Arc;
 /// they bend, how long they are and where they end; the trunk's length, waywardness, clear bole and diameter; the
 /// crown's extent at each height; and thickness by the share of tips that a branch bears.
 ///
-/// The synthesizer has one stage per order. Its endpoints are laterals of the example's branches of like length, scaled
-/// to the branch that bears them, at other places and to other sides for each seed; its rule is a
-/// [`ForkAngle`] with the measured angle and spread, then a [`Bend`]. The graph's irregularity changes angles, lengths and
-/// numbers a little: [`tuned`](Self::tuned) grows trees, measures them in the same way and corrects for it.
+/// The synthesizer has one stage per order. Its endpoints are laterals of the example's branches of like
+/// length, scaled to the branch that bears them, at other places and to other sides for each seed; its rule
+/// is a [`ForkAngle`] with the measured angle and spread, then a [`Bend`]. The graph's irregularity changes
+/// angles, lengths and numbers a little: [`tuned`](Self::tuned) grows trees, measures them in the same way
+/// and corrects for it.
 ///
 /// Endpoints are drawn as from a sample, so what the example never does does not happen: one tree says little about
 /// its kind.

@@ -19,14 +19,15 @@ use std::sync::Arc;
 /// coarse elsewhere.
 ///
 /// r is the largest function that is nowhere above the sizing field and changes by at most the *grading* along each
-/// axis, metre for metre, both on a lattice of about two points per node; [`spacing`](Self::spacing) tells it. Two nodes
-/// p and q are at least min(r(p), r(q)) apart, and no ball of radius 2 r(c) around a point c inside the region is
-/// empty, by construction: see `Tile::sweep` in `leaf.rs`. Edges lead to the nearest node in each sector, exactly, if
-/// it lies within 3 r(p) of their start p (for more than 8 sectors as far as in [`PoissonYao`](super::PoissonYao)).
-/// The root is a node.
+/// axis, metre for metre, both on a lattice of about two points per node; [`spacing`](Self::spacing) tells
+/// it. Two nodes p and q are at least min(r(p), r(q)) apart, and no ball of radius 2 r(c) around a point c
+/// inside the region is empty, by construction: see `Tile::sweep` in `leaf.rs`. Edges lead to the nearest
+/// node in each sector, exactly, if it lies within 3 r(p) of their start p (for more than 8 sectors as far as
+/// in [`PoissonYao`](super::PoissonYao)). The root is a node.
 ///
-/// Cost: as for as many nodes of one spacing, about twice as long where r changes as fast as it may; 8 more bytes per
-/// node for r, and up to 64 while edges are found. With the feature `parallel` tiles are filled on several threads, and the result is the same to the bit.
+/// Cost: as for as many nodes of one spacing, about twice as long where r changes as fast as it may; 8 more
+/// bytes per node for r, and up to 64 while edges are found. With the feature `parallel` tiles are filled on
+/// several threads, and the result is the same to the bit.
 ///
 /// ```
 /// use treesynth::{Silent, glam::Vec3, shape::{Cuboid, Sphere}};

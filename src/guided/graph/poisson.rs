@@ -17,8 +17,8 @@ use glam::Vec3;
 /// promise is kept by construction, not by chance: see `Tile::sweep` in `tiles.rs`. The root is a node; in 2D
 /// ([`planar`](Self::planar)) all nodes lie in the plane z = 0 of the region.
 ///
-/// Cost: O(n log n) time, about 75 bytes per node at the peak. With the feature `parallel` tiles of the region
-/// are filled on several threads, in phases, and the result is the same to the bit.
+/// Cost: O(n log n) time, about 75 bytes per node at the peak. With the feature `parallel` tiles of the
+/// region are filled on several threads, in phases, and the result is the same to the bit.
 ///
 /// ```
 /// use treesynth::{Silent, guided::{GraphBuilder, PoissonYao}, shape::Cuboid, glam::Vec3};

@@ -11,7 +11,8 @@ use glam::{IVec3, Vec3};
 /// The disc radius r of a [`GradedYao`](super::GradedYao) at every place: values on a lattice, linear in between.
 ///
 /// Along each axis r changes by at most the grading, in any direction by at most √3 times that, metre for metre.
-/// Beyond the lattice, which covers the region's bounds, r is that of the nearest place on it. 4 bytes per point.
+/// Beyond the lattice, which covers the region's bounds, r is that of the nearest place on it. 4 bytes per
+/// point.
 #[derive(Debug, Clone)]
 pub struct Spacing {
     scalars: Scalars,

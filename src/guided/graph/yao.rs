@@ -283,8 +283,8 @@ struct Cells {
 }
 
 impl Cells {
-    /// Cells of the given side, or one that makes for about four points per cell. `None` where points are too uneven
-    /// for a lattice.
+    /// Cells of the given side, or one that makes for about four points per cell. `None` where points are too
+    /// uneven for a lattice.
     fn new(positions: &[Vec3], given: Option<f32>) -> Option<Self> {
         let (min, max) = positions
             .iter()

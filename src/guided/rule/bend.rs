@@ -128,8 +128,8 @@ impl Bend {
         Self::new(Angle::FromAxis { theta })
     }
 
-    /// Counts hops by metres of path: an angle per hop becomes an angle for `metres` of path, in equal parts, and h0 hops
-    /// become h0 times `metres`. Branches then bend alike on graphs of any spacing, and across a
+    /// Counts hops by metres of path: an angle per hop becomes an angle for `metres` of path, in equal parts,
+    /// and h0 hops become h0 times `metres`. Branches then bend alike on graphs of any spacing, and across a
     /// [`Refinement`](crate::guided::Refinement); by edges, as in the paper, a finer graph bends them more.
     ///
     /// Finite and above 0. With 1 m, angles are curvatures.

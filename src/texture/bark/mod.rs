@@ -100,7 +100,8 @@ pub struct BarkSet {
 /// spread so wide that half of the pixels would have to be brighter than white); the same options
 /// give the same bytes on every platform and at every thread count.
 ///
-/// O(resolution²) time: 0.25 to 0.5 s for 1024 x 1024 on one thread. Memory while it is made: 36 bytes per pixel.
+/// O(resolution²) time: 0.25 to 0.5 s for 1024 x 1024 on one thread. Memory while it is made: 36 bytes per
+/// pixel.
 ///
 /// ```
 /// use treesynth::texture::Bark;

@@ -1,7 +1,8 @@
 //! Noise that repeats after one tile: gradients on a lattice whose ends meet (Perlin 1985, 2002).
 //!
-//! Along a row of pixels the noise in each cell is a blend of two lines, whose four numbers are computed once per row and cell
-//! ([`Fractal::line`]); only places that are moved by other noise ask the lattice itself ([`Fractal::at`]).
+//! Along a row of pixels the noise in each cell is a blend of two lines, whose four numbers are computed once
+//! per row and cell ([`Fractal::line`]); only places that are moved by other noise ask the lattice itself
+//! ([`Fractal::at`]).
 
 use super::lanes::{floor, fraction, indices, mix, transposed};
 use crate::random::{self, Purpose};

@@ -92,8 +92,8 @@ pub struct SurfaceNodes {
 }
 
 impl PoissonSurface {
-    /// 20,000 nodes on a mesh: positions in metres, three numbers of positions per triangle. The root is the point of the
-    /// surface nearest to the origin.
+    /// 20,000 nodes on a mesh: positions in metres, three numbers of positions per triangle. The root is the
+    /// point of the surface nearest to the origin.
     pub fn new(positions: Vec<Vec3>, triangles: Vec<[u32; 3]>) -> Self {
         Self {
             positions: positions.into(),
