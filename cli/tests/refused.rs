@@ -1,4 +1,4 @@
-//! Values that cannot be had are refused before work begins, by the option's name, its value and
+//! Impossible values are refused before work begins, by the option's name, its value and
 //! the allowed range.
 
 mod common;
