@@ -161,7 +161,7 @@ fn main() {
     );
     print_table(
         "The 25 trees with something else; the upper half of theirs pruned; 500 trees on a hectare, two threads.",
-        &["case", "metamers", "ms", "ns a metamer", "times as long as the 25 trees"],
+        &["case", "metamers", "ms", "ns per metamer", "times as long as the 25 trees"],
         &beside.chain(more).collect::<Vec<_>>(),
     );
 
@@ -196,7 +196,7 @@ fn main() {
             "ms",
             "goal, ms",
             "original, ms",
-            "ns a metamer",
+            "ns per metamer",
             "original's",
             "two threads faster by",
         ],

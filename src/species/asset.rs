@@ -15,7 +15,7 @@ impl Specimen {
     /// The bark of its species as images, the older the thicker the trunk is. Its mean colour is the lightest of trunk, limbs and twigs,
     /// channel by channel; the vertex colours of [`levels`](Self::levels) darken it to each of them.
     pub fn bark_texture(&self) -> Bark {
-        // What is left of long dead trees is the grain of their wood.
+        // Long dead trees show the grain of their wood.
         let wood = self.numbers.dead.is_some_and(|years| years > BARE);
         let age = 0.2 + 0.7 * (self.numbers.dbh / OLD).min(1.0);
         let bark = if wood {
@@ -33,9 +33,10 @@ impl Specimen {
         [0, 1, 2].map(|i| bark.trunk[i].max(bark.limbs[i]).max(bark.twigs[i]).max(wood[0][i]).max(wood[1][i]))
     }
 
-    /// Bark with images, leaves and cards in levels of detail, as [`AssetBuilder::levels`]: the finest has at most so many `triangles`
-    /// (`None` for all there are), the others these shares of them; images of `side` pixels, a power of two from 128 to 8192. No vertex
-    /// has wind: for that there is [`levels_in_wind`](Self::levels_in_wind).
+    /// Bark with images, leaves and cards in levels of detail, as [`AssetBuilder::levels`]: the
+    /// finest has at most `triangles` triangles (`None` for all there are), the others these shares
+    /// of them; images of `side` pixels, a power of two from 128 to 8192. No vertex has wind: for
+    /// that there is [`levels_in_wind`](Self::levels_in_wind).
     ///
     /// ```
     /// use treesynth::species;

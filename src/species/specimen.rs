@@ -27,13 +27,13 @@ pub struct Specimen {
     pub skeleton: Skeleton,
     /// Its leaves on that day, each in its tone; none in winter.
     pub leaves: Option<Leaves>,
-    /// Its blossom, catkins, fruit and cones on that day, one entry a sort that is there.
+    /// Its blossom, catkins, fruit and cones on that day, one entry per sort that is there.
     pub organs: Vec<Leaves>,
     /// The numbers it was grown by, with those that are measured on it.
     pub numbers: Numbers,
     /// The seed.
     pub seed: u64,
-    /// How bare of bark it is at each node, 0 to 1.
+    /// Share of bark that is missing at each node, 0 to 1.
     bare: Vec<f32>,
 }
 
@@ -73,7 +73,7 @@ impl Specimen {
         let node = if node < self.skeleton.len() { node } else { 0 };
         let (half, radius) = (0.5 * self.numbers.dbh, self.skeleton.radii()[node]);
         let old = smooth((radius / half - 0.45) / 0.35);
-        // Old trunks are rough and dark at the foot.
+        // Old trunks are rough and dark at the base.
         let foot = if bark.foot.iter().any(|&channel| channel > 0.0) { linear(bark.foot) } else { trunk };
         let low = 1.0 - smooth(height / (FOOT * self.numbers.dbh).max(0.01));
         let low = low * smooth((self.numbers.dbh - 0.08) / 0.2);
@@ -101,19 +101,19 @@ pub(super) fn linear(encoded: [f32; 3]) -> [f32; 3] {
     encoded.map(|channel| math::linear(channel / 255.0))
 }
 
-/// Height of a trunk's foot, in its diameters.
+/// Height of the dark base of a trunk, in its diameters.
 const FOOT: f32 = 3.0;
 
 /// Wood where it has just broken, and after years in the weather, sRGB.
 pub(super) const FRESH: [f32; 3] = [204.0, 172.0, 124.0];
 pub(super) const WEATHERED: [f32; 3] = [150.0, 144.0, 134.0];
 
-/// How often a tree is grown until its crown is as wide as wished for.
+/// Most times that a tree is grown again to get the crown width that was asked for.
 const TRIALS: usize = 3;
 
 /// More leaves than these have no room in memory at the spacing of the species.
 const MOST_LEAVES: usize = 4_000_000;
-/// By which part a diameter that was asked for may be missed.
+/// Largest deviation from a diameter that was asked for, as a part of it.
 const OFF: f32 = 0.02;
 
 pub(super) fn grow(
@@ -142,7 +142,7 @@ pub(super) fn grow(
         let (species, what, most) = (species.name.clone(), "leaves", MOST_LEAVES);
         return Err(SpeciesError::TooMany { species, what, most, field, value, change });
     }
-    // To the height wished for, exactly.
+    // To the height asked for, exactly.
     let factor = plan.height / height(&wood);
     for position in &mut wood.positions {
         *position *= factor;
@@ -164,7 +164,7 @@ pub(super) fn grow(
     let (mut dressed, area) = dress::dress(species, &whole, plan.leaf_area, plan.day, own)?;
     numbers.leaf_area = area;
     let mut organs = bear::bear(species, &whole, &numbers, own);
-    // What breaks and dies does so on the tree as it was.
+    // Breakage and death change the tree as it has grown.
     let mut timber = Timber::new(wood, radii);
     let number = decay::wreck(&mut timber, &numbers, own);
     let intact = numbers.dead.is_none() && numbers.damage <= 0.0;
@@ -226,7 +226,7 @@ fn crown_base(wood: &Wood) -> Option<f32> {
     bases.map(|node| wood.positions[wood.parents[node] as usize].y).reduce(f32::min)
 }
 
-/// For how many leaves there is room at the spacing of the species.
+/// Number of leaves for which there is room at the spacing of the species.
 fn room(species: &Species, wood: &Wood) -> f32 {
     let data = &species.leaves;
     let each = data.arrangement().per_whorl() as f32;

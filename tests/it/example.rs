@@ -1,4 +1,4 @@
-//! By example: trees that are grown after one are of its kind, and each is another.
+//! Growth by example: trees that are grown after one are of its kind, and each is another.
 
 use treesynth::guided::Example;
 use treesynth::{Metrics, Skeleton, presets};

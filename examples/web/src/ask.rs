@@ -13,7 +13,7 @@ use treesynth::species::Species;
 use treesynth::surface::{Material, Mesh, Part, Sway, Tubes};
 use treesynth::{Metrics, Observer, Skeleton, Work};
 
-/// What is asked for; what is left out is the default.
+/// A request for a tree; fields that are left out have the default.
 #[derive(Debug, Clone, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct Ask {
@@ -123,7 +123,7 @@ struct Tree<'a> {
     age: Option<f32>,
 }
 
-/// What is seen of it.
+/// The look of the tree.
 enum Look {
     Asset(Box<Asset>),
     Preview(Box<Mesh>, Material, Vec<Leaves>),

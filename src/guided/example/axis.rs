@@ -60,7 +60,8 @@ impl Axis {
         (self.points[after] - self.points[before]).normalize_or(UP)
     }
 
-    /// How much steeper its first half stands than its second, in radians of tilt for a metre: above 0 it turns down.
+    /// Difference in tilt between its second half and its first, in radians per metre: above 0 it
+    /// turns down.
     pub(super) fn bend(&self) -> f32 {
         let middle = self.place(0.5).max(1).min(self.points.len() - 1);
         let tilt = |way: Vec3| crate::math::angle_between(way, UP);

@@ -1,4 +1,4 @@
-//! Where laterals after an example end, and what keeps their paths to their order.
+//! Endpoints of laterals after an example, and a weight that keeps their paths to their order.
 
 use super::axis::{Axis, frame};
 use super::learn::{Crown, Lateral, Model};
@@ -25,7 +25,7 @@ pub(super) struct LateralsLike {
     /// Lengths for those of the model's.
     pub(super) stretch: Vec3,
     pub(super) crown: Crown,
-    /// Whether the example's trunk bears its limbs to all sides; if not, each keeps its own.
+    /// `true` if the example's trunk bears its limbs to all sides; if false, each keeps its own.
     pub(super) round: bool,
 }
 
@@ -36,15 +36,17 @@ pub(super) struct Planned {
     pub(super) way: Vec3,
 }
 
-/// How much longer a branch may be than the one it is modelled on, or shorter; and the most that one is drawn from, each way.
+/// Largest ratio between the lengths of a branch and of its model, either way; and the number of
+/// models on each side that it is drawn from.
 const LIKE: f32 = 1.25;
 const MODELS: usize = 6;
 /// Laterals up and down the trunk that a limb takes its form from.
 const NEIGHBOURS: f32 = 4.0;
 /// The golden angle: limbs of a trunk in turn lie in gaps of those before.
 const GOLDEN_ANGLE: f32 = 2.399_963;
-/// How much farther back than the crown's end, at most, what would leave it ends; the least share of its length that is left;
-/// and steps to find that.
+/// For a lateral that would leave the crown: largest share of the way to the crown's end by which
+/// it ends short of it; least share of its length that is left before that; and steps of the search
+/// for the crown's end.
 const BACK: f32 = 0.15;
 const LEAST: f32 = 0.3;
 const STEPS: usize = 8;
@@ -181,7 +183,8 @@ impl WeightFn for FromOrder {
     }
 }
 
-/// Whether limbs of a trunk point to all sides: no direction has most of them, nor any two that are opposite.
+/// `true` if limbs of a trunk point to all sides: no direction has most of them, nor any two that are
+/// opposite.
 pub(super) fn is_round(trunk: &Model) -> bool {
     let mut sums = [0.0f32; 4];
     let mut all = 0.0;

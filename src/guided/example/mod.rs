@@ -32,7 +32,7 @@ use std::sync::Arc;
 /// they bend, how long they are and where they end; the trunk's length, waywardness, clear bole and diameter; the
 /// crown's extent at each height; and thickness by the share of tips that a branch bears.
 ///
-/// The synthesizer has one stage an order. Its endpoints are laterals of the example's branches of like length, scaled
+/// The synthesizer has one stage per order. Its endpoints are laterals of the example's branches of like length, scaled
 /// to the branch that bears them, at other places and to other sides for each seed; its rule is a
 /// [`ForkAngle`] with the measured angle and spread, then a [`Bend`]. The graph's irregularity changes angles, lengths and
 /// numbers: [`grow`](Self::grow) draws the branches anew and adds those that the graph had no room for, and
@@ -100,7 +100,7 @@ impl Tuning {
 
 /// Branches of higher orders are not grown.
 const ORDERS: usize = 8;
-/// Edges of the graph are so many spacings long.
+/// Mean length of the graph's edges, in spacings.
 const EDGE: f32 = 1.25;
 /// Nodes in a cube of the spacing.
 const DENSITY: f32 = 0.67;
@@ -167,9 +167,10 @@ impl Example {
         self.trunk
     }
 
-    /// Grows `trials` trees, one after the other, on graphs of about `nodes` nodes, and after each corrects numbers, lengths
-    /// and angles of each order, and the crown's width and height, by what is measured on it. 8 trials are a good number; the
-    /// correction is for that many nodes. The time of `trials` trees.
+    /// Grows `trials` trees, one after the other, on graphs of about `nodes` nodes, and after each
+    /// corrects numbers, lengths and angles of each order, and the crown's width and height, by
+    /// what is measured on it. 8 trials are a good number; the correction is for that many nodes.
+    /// Takes as long as growing the `trials` trees.
     ///
     /// # Errors
     /// As [`TreeSynth::synthesize`].
@@ -289,14 +290,14 @@ impl Example {
             // A uniform distribution has a standard deviation of its half width over √3.
             let rule = ForkAngle::new(angle, Bend::constant(own.bend.clamp(-1.5, 1.5)).with_hop_length(1.0))
                 .with_spread((spread * 3f32.sqrt()).min(1.2));
-            // Where the first limb is, less what makes room for it to be elsewhere.
+            // The clear bole, less a tenth that leaves the first limb room to be elsewhere.
             let clear = if order == 1 { 0.9 * self.trunk.clear_bole } else { 0.0 };
             let weight = FromOrder { order: order as u16 - 1, clear, price: own.length };
             let mut stage = Stage::new(rule, self.laterals(order)).with_weight(weight);
             let models = &self.models[order];
             let at = |share: f32| models[(share * (models.len() - 1) as f32) as usize].length;
             let reach = 1.2 * at(0.95) + 2.0 * spacing;
-            // What lies so near to the tree so far.
+            // Volume within reach of the tree so far.
             let around = (length * std::f32::consts::PI * reach * reach).min(volume);
             let wanted = (at(0.4) / FINE).max(self.internode / EDGE).max(finest(around, 1.5 * nodes as f32));
             if wanted < 0.75 * spacing {

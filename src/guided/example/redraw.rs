@@ -11,8 +11,8 @@ use glam::{Mat3, Vec3};
 use rand::RngExt;
 use rand::seq::SliceRandom;
 
-/// What a graph cannot give: nodes stand off each other by its spacing, so that first internodes stand out wide, and paths
-/// wind.
+/// Traits of an example that a graph cannot give: its nodes keep their spacing, so that first
+/// internodes stand out wide, and paths wind.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Redraw {
     /// Metres, by order.

@@ -1,4 +1,5 @@
-//! What hangs on what: energies that do not stall, subtrees that would not save elsewhere, laterals and tips by number.
+//! The topology of trees: energies that do not stall, subtrees that would not save elsewhere,
+//! laterals and tips by number.
 
 use super::strain;
 use treesynth::glam::Vec3;
@@ -16,7 +17,7 @@ fn grown(synth: &VariationalSynth, seed: u64) -> Growth {
     synth.grow(seed, &Silent).expect("a tree")
 }
 
-/// Which part of the tips points back along the internode that bears them.
+/// The part of the tips that points back along the internode that bears them.
 fn backward(tree: &Skeleton) -> f64 {
     let at = |node: usize| tree.positions()[node];
     let tips: Vec<usize> = tree.tips().collect();
@@ -116,7 +117,7 @@ fn best_move(growth: &Growth, shape: &GuidanceShape, whorls: bool) -> (f64, usiz
             continue;
         }
         let flow = flows[node];
-        // What each ancestor's internodes above it save.
+        // The cost that the internodes above each ancestor save.
         let mut saved = vec![f64::NAN; growth.branch_nodes];
         let (mut below, mut sum) = (parent, 0.0);
         saved[below] = 0.0;
