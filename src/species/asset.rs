@@ -1,7 +1,7 @@
 //! A tree of a species as one ships it.
 
 use super::Specimen;
-use super::specimen::{FRESH, WEATHERED, linear};
+use super::bark_colors::{BarkColors, FRESH, WEATHERED, linear};
 use crate::asset::{Asset, AssetBuilder, AssetError};
 use crate::surface::{Material, Sway, Tubes};
 use crate::texture::{Bark, BarkKind};
@@ -95,10 +95,10 @@ impl Specimen {
             .with_leaf_size(Some((side / 4).clamp(32, 2048)));
         let mut levels =
             builder.levels_with(&self.rooted(), &self.foliage().cloned().collect::<Vec<_>>(), shares)?;
-        let lightest = linear(self.lightest());
+        let (colors, lightest) = (BarkColors::new(self), linear(self.lightest()));
         for level in &mut levels {
             let color = |node: u32, height: f32| {
-                let own = self.bark_color(node as usize, height);
+                let own = colors.at(node as usize, height);
                 [0, 1, 2].map(|i| (own[i] / lightest[i].max(1e-6)).clamp(0.0, 1.0))
             };
             for mesh in level.barks_mut() {

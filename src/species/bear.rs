@@ -1,11 +1,11 @@
 //! Blossom, catkins, fruit and cones on a tree, as they are on a day.
 
+use super::bark_colors::linear;
 use super::data::Species;
 use super::draw::Draw;
 use super::model;
 use super::organ::{Organ, OrganPlace};
 use super::request::Numbers;
-use super::specimen::linear;
 use crate::Skeleton;
 use crate::foliage::Leaves;
 use crate::math::{self, UP, perpendicular};

@@ -19,6 +19,7 @@ mod architecture;
 mod asset;
 #[cfg(feature = "texture")]
 mod bark;
+mod bark_colors;
 mod bear;
 mod data;
 mod decay;

@@ -2,6 +2,7 @@
 
 use super::SpeciesError;
 use super::architecture::{self, Scale};
+use super::bark_colors::BarkColors;
 use super::bear;
 use super::data::Species;
 use super::decay::{self, Timber};
@@ -34,7 +35,7 @@ pub struct Specimen {
     /// The seed.
     pub seed: u64,
     /// Share of bark that is missing at each node, 0 to 1.
-    bare: Vec<f32>,
+    pub(super) bare: Vec<f32>,
 }
 
 impl Specimen {
@@ -55,58 +56,13 @@ impl Specimen {
     /// As [`Tubes::mesh`].
     pub fn bark_mesh(&self, tubes: &Tubes) -> Result<Mesh, SurfaceError> {
         let mut mesh = tubes.clone().with_wind(true).mesh(&self.rooted())?;
+        let colors = BarkColors::new(self);
         let places = mesh.wind.iter().zip(&mesh.positions);
-        mesh.colors = places.map(|(wind, place)| self.bark_color(wind.node as usize, place.y)).collect();
+        mesh.colors = places.map(|(wind, place)| colors.at(wind.node as usize, place.y)).collect();
         mesh.wind = Vec::new();
         Ok(mesh)
     }
-
-    /// The linear colour of the bark around a node's internode, by its radius, at a height above the ground.
-    pub(super) fn bark_color(&self, node: usize, height: f32) -> [f32; 3] {
-        let bark = &self.species.bark;
-        let [trunk, limbs, twigs] = [bark.trunk, bark.limbs, bark.twigs].map(linear);
-        let smooth = |t: f32| {
-            let t = t.clamp(0.0, 1.0);
-            t * t * (3.0 - 2.0 * t)
-        };
-        // Roots wear the bark of the trunk's base.
-        let node = if node < self.skeleton.len() { node } else { 0 };
-        let (half, radius) = (0.5 * self.numbers.dbh, self.skeleton.radii()[node]);
-        let old = smooth((radius / half - 0.45) / 0.35);
-        // Old trunks are rough and dark at the base.
-        let foot = if bark.foot.iter().any(|&channel| channel > 0.0) { linear(bark.foot) } else { trunk };
-        let low = 1.0 - smooth(height / (FOOT * self.numbers.dbh).max(0.01));
-        let low = low * smooth((self.numbers.dbh - 0.08) / 0.2);
-        let trunk = [0, 1, 2].map(|i| trunk[i] + (foot[i] - trunk[i]) * low);
-        let young = 1.0 - smooth((radius - 0.004) / (0.1 * half).clamp(0.004, 0.02));
-        let bark = [0, 1, 2].map(|i| {
-            let wood = limbs[i] + (trunk[i] - limbs[i]) * old;
-            wood + (twigs[i] - wood) * young
-        });
-        // Dead bark fades; wood is yellow when it breaks, and grey after years.
-        let years = self.numbers.dead.unwrap_or(0.0);
-        let mix = |a: [f32; 3], b: [f32; 3], t: f32| [0, 1, 2].map(|i| a[i] + (b[i] - a[i]) * t);
-        let gray = linear(WEATHERED);
-        let wood = mix(linear(FRESH), gray, (years / 6.0).min(1.0));
-        let wood = if self.numbers.dead.is_none() && self.numbers.damage <= 0.0 { gray } else { wood };
-        mix(
-            mix(bark, gray, 0.45 * (years / 15.0).min(1.0)),
-            wood,
-            self.bare.get(node).copied().unwrap_or(0.0),
-        )
-    }
 }
-
-pub(super) fn linear(encoded: [f32; 3]) -> [f32; 3] {
-    encoded.map(|channel| math::linear(channel / 255.0))
-}
-
-/// Height of the dark base of a trunk, in its diameters.
-const FOOT: f32 = 3.0;
-
-/// Wood where it has just broken, and after years in the weather, sRGB.
-pub(super) const FRESH: [f32; 3] = [204.0, 172.0, 124.0];
-pub(super) const WEATHERED: [f32; 3] = [150.0, 144.0, 134.0];
 
 /// Most times that a tree is grown again to get the crown width that was asked for.
 const TRIALS: usize = 3;
