@@ -262,11 +262,11 @@ fn solid_letter(count: usize, of: char) -> Result<VariationalSynth, ParameterErr
         'A' | 'R' => 1.9,
         'C' | 'P' => -1.9,
         'G' => -1.5,
-        'S' => 1.5,
+        'S' => 1.0,
         _ => 0.0,
     };
     // The trunk of an S has more bends.
-    let trunk = if of == 'S' { 9 } else { 6 };
+    let trunk = if of == 'S' { 12 } else { 6 };
     let levels =
         [axis(trunk, 0.9, 45.0, Spiral), axis(6, 1.0, 45.0, Spiral), axis(4, 1.0, 40.0, Spiral), twig(1.0)];
     let price = if of == 'S' { 8.0 } else { 4.0 };

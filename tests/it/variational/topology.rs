@@ -246,7 +246,7 @@ fn wood_keeps_to_letters() {
         ("i", 0.01),
         ("c", 0.05),
         ("g", 0.05),
-        ("s", 0.05),
+        ("s", 0.055),
     ] {
         let preset = presets::by_name(&format!("variational-13-{name}")).unwrap().variational().unwrap();
         let synth = preset.synth(2000).expect("a shape");
