@@ -1,7 +1,7 @@
 //! Trees and stands that organize themselves: what a habit, a wind, a wall or neighbours make of a bud.
 
 use super::stand::Stand;
-use super::{degrees, hedge};
+use super::{degrees, hedge, topiary};
 use crate::self_organizing::{
     Axis, Daylight, Forest, ForestError, Habit, Offspring, Phyllotaxis, Regrowth, Sag, ShadowPropagation,
     VigorModel,
@@ -144,6 +144,8 @@ const STANDS: &[Stand] = &[
         },
     ),
     Stand::new("stand-hedge", "Twenty in a row, trimmed every year.", 30, hedge::plant).tended(hedge::trim),
+    Stand::new("stand-peacock", "A box clipped to a peacock, every year.", 24, topiary::plant)
+        .tended(topiary::trim),
     Stand::new("stand-pollard", "Cut back to a head at two metres, every sixth year.", 33, |seed| {
         let habit = apical(0.5).with_regrowth(Regrowth::default().with_buds(8).with_reach(10));
         alone(seed, habit)

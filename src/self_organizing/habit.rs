@@ -2,6 +2,7 @@
 
 use super::axis::Axis;
 use super::cut::Regrowth;
+use super::dead::DeadWood;
 use super::offspring::Offspring;
 use super::phyllotaxis::Phyllotaxis;
 use super::sag::Sag;
@@ -51,6 +52,7 @@ pub struct Habit {
     pub(super) stature: Option<Stature>,
     pub(super) axes: Vec<Axis>,
     pub(super) sag: Option<Sag>,
+    pub(super) dead_wood: Option<DeadWood>,
 }
 
 impl Habit {
@@ -69,7 +71,7 @@ crate::recipe::readable!(Habit {
     vigor_model: VigorModel, vigor_multiplier: f32, lateral_angle: f32, phyllotaxis: Phyllotaxis,
     default_weight: f32, optimal_weight: f32, tropism: Vec3, shedding: Option<Shedding>,
     offspring: Option<Offspring>, width_exponent: f32, tip_radius: f32, regrowth: Option<Regrowth>,
-    stature: Option<Stature>, sag: Option<Sag>,
+    stature: Option<Stature>, sag: Option<Sag>, dead_wood: Option<DeadWood>,
 });
 
 /// When a tree gives up a branch: once its vigor falls below `multiplier · (child count^(1/n))^exponent`, the
@@ -116,7 +118,7 @@ impl Default for Habit {
     /// The original's: extended Borchert-Honda with apical control 0.5, vigor multiplier 2, metamers of 0.02 m,
     /// lateral buds scattered within 45°, weights 1 (default), 0.1 (optimal) and 0 (its tropism is off), its
     /// shedding, no offspring, width exponent 2.5, tips of 0.5 mm. Ours: regrowth at cuts, no stature, all axes alike, no
-    /// sag.
+    /// sag, no dead wood.
     fn default() -> Self {
         Self {
             vigor_model: VigorModel::default(),
@@ -138,6 +140,7 @@ impl Default for Habit {
             stature: None,
             axes: Vec::new(),
             sag: None,
+            dead_wood: None,
         }
     }
 }
@@ -251,6 +254,12 @@ impl Habit {
         self
     }
 
+    /// Sets how dead trees stand and fall; `None`, the default, for trees that go away when they die.
+    pub fn with_dead_wood(mut self, dead: impl Into<Option<DeadWood>>) -> Self {
+        self.dead_wood = dead.into();
+        self
+    }
+
     /// Sets the architecture by branch order: that of the trunk first, then that of branches of order 1, and so on. The
     /// last holds for all higher orders. None by default: all axes are alike, with the habit's own parameters.
     ///
@@ -312,6 +321,7 @@ impl Habit {
         self.regrowth.map_or(Ok(()), Regrowth::check)?;
         self.stature.map_or(Ok(()), Stature::check)?;
         self.sag.map_or(Ok(()), Sag::check)?;
+        self.dead_wood.map_or(Ok(()), DeadWood::check)?;
         self.axes.iter().try_for_each(Axis::check)
     }
 

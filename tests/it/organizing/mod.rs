@@ -3,6 +3,7 @@
 mod axes;
 #[cfg(feature = "json")]
 mod compact;
+mod dead;
 mod garden;
 mod growth;
 mod lapse;
