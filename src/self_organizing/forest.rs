@@ -320,8 +320,8 @@ impl<E: Environment> Forest<E> {
     /// # Errors
     /// The first that is not.
     pub fn check(&self) -> Result<(), ParameterError> {
-        self.environment.check()?;
         self.room.check()?;
+        self.environment.check()?;
         let most = self.most_metamers;
         ParameterError::unless(most <= 1 << 31, "Forest.most_metamers", most, "at most 2^31")?;
         let (parts, range) = (self.parts, "1 to 64");

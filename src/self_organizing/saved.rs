@@ -85,6 +85,7 @@ impl<E: Environment> TryFrom<Saved<E>> for Forest<E> {
             told: Vec::new(),
         };
         forest.check()?;
+        let on_terrain = wanted.terrain.is_some();
         forest.room.wanted = wanted;
         // In mid-season the trees of the turns that are over are in the next one already.
         let now = season + u16::from(turn > 0);
@@ -101,7 +102,9 @@ impl<E: Environment> TryFrom<Saved<E>> for Forest<E> {
             ParameterError::unless(bare <= most, "bare_since", bare, "at most the season")?;
             let died = tree.died.unwrap_or_default();
             ParameterError::unless(died <= most, "died", died, "at most the season")?;
-            let outside = tree.positions().find(|&node| !forest.environment.contains(node));
+            // Where there was a terrain the bottom of a box was not the ground.
+            let is_outside = |&node: &Vec3| !on_terrain && !forest.environment.contains(node);
+            let outside = tree.positions().find(is_outside);
             ParameterError::unless(outside.is_none(), "position", outside, "inside of the environment")?;
             last = Some(number);
         }
