@@ -4,8 +4,8 @@ use super::stand::Stand;
 use super::{degrees, hedge, topiary};
 use crate::random::{Purpose, unit};
 use crate::self_organizing::{
-    Axis, Daylight, DeadWood, Forest, ForestError, Habit, Offspring, Phyllotaxis, Regrowth, Sag, ShadowPropagation,
-    Shedding, VigorModel,
+    Axis, Daylight, DeadWood, Forest, ForestError, Habit, Offspring, Phyllotaxis, Regrowth, Sag,
+    ShadowPropagation, Shedding, VigorModel,
 };
 use crate::shape::{Bounds, Cuboid, Cylinder, Intersection, Sphere, Union};
 use glam::Vec3;
@@ -171,23 +171,18 @@ const STANDS: &[Stand] = &[
         }
         Ok(forest)
     }),
-    Stand::new(
-        "stand-thinning",
-        "Too many of one age: some win, the dead stand as snags.",
-        18,
-        |seed| {
-            let habit = apical(0.53)
-                .with_shedding(Shedding::self_thinning())
-                .with_dead_wood(DeadWood::default().with_seasons(8));
-            let mut forest = Forest::new(light(16.0, 14.0), habit, seed);
-            for i in 0..196u32 {
-                let aside = |axis: u32| 0.6 * (unit(seed, axis, Purpose::PLANTS, i.into()) - 0.5);
-                let place = Vec3::new((i % 14) as f32 + aside(0), 0.0, (i / 14) as f32 + aside(1));
-                forest.plant((place - Vec3::new(6.5, 0.0, 6.5)) * 0.9)?;
-            }
-            Ok(forest)
-        },
-    ),
+    Stand::new("stand-thinning", "Too many of one age: some win, the dead stand as snags.", 18, |seed| {
+        let habit = apical(0.53)
+            .with_shedding(Shedding::self_thinning())
+            .with_dead_wood(DeadWood::default().with_seasons(8));
+        let mut forest = Forest::new(light(16.0, 14.0), habit, seed);
+        for i in 0..196u32 {
+            let aside = |axis: u32| 0.6 * (unit(seed, axis, Purpose::PLANTS, i.into()) - 0.5);
+            let place = Vec3::new((i % 14) as f32 + aside(0), 0.0, (i / 14) as f32 + aside(1));
+            forest.plant((place - Vec3::new(6.5, 0.0, 6.5)) * 0.9)?;
+        }
+        Ok(forest)
+    }),
     Stand::new("stand-generations", "Four generations from one seed.", 27, |seed| {
         let offspring =
             Offspring::default().with_maturity(6).with_interval(4).with_distance(0.7).with_seeds(0.5);

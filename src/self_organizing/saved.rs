@@ -141,7 +141,8 @@ impl TryFrom<SavedTree> for Tree {
     type Error = ParameterError;
 
     fn try_from(saved: SavedTree) -> Result<Self, ParameterError> {
-        let SavedTree { nodes, number, habit, generation, next_number, vigor, bare_since, releases, died } = saved;
+        let SavedTree { nodes, number, habit, generation, next_number, vigor, bare_since, releases, died } =
+            saved;
         ParameterError::unless(!nodes.is_empty(), "nodes", 0, "at least 1")?;
         let mut borne = 0;
         for (i, node) in nodes.iter().enumerate() {
@@ -183,11 +184,13 @@ impl TryFrom<SavedTree> for Tree {
             ParameterError::unless((0.0..=1e3).contains(&vigor), "releases", vigor, "a vigor in [0, 1000]")?;
         }
         let lives = vigor > 0.0 || !releases.is_empty() || nodes.iter().any(Node::has_buds);
-        let dead_since = died.filter(|&died| lives || died < nodes.iter().map(|node| node.born).fold(0, u16::max));
+        let dead_since =
+            died.filter(|&died| lives || died < nodes.iter().map(|node| node.born).fold(0, u16::max));
         let range = "not before its youngest node, without vigor or buds";
         ParameterError::unless(dead_since.is_none(), "died", dead_since, range)?;
         let bare_since = bare_since.unwrap_or(nodes[0].born);
-        let mut tree = Self { nodes, number, habit, generation, next_number, vigor, bare_since, releases, died };
+        let mut tree =
+            Self { nodes, number, habit, generation, next_number, vigor, bare_since, releases, died };
         tree.number_orders();
         Ok(tree)
     }

@@ -47,7 +47,10 @@ fn snags_break_from_the_twigs_to_the_trunk() {
             let (trunk, part) = (skeleton.radii()[1], f32::from(since) / f32::from(SEASONS));
             assert!(skeleton.radii().iter().all(|&radius| radius >= trunk * part * 0.999));
             let left = mean_order(&forest, snag);
-            assert!(snag.metamers() > 0 && snag.metamers() <= metamers && left <= order, "seed {seed}, {since}");
+            assert!(
+                snag.metamers() > 0 && snag.metamers() <= metamers && left <= order,
+                "seed {seed}, {since}"
+            );
             (metamers, order) = (snag.metamers(), left);
         }
         assert!(order < 0.2, "seed {seed}: mean order {order} of what stands longest");

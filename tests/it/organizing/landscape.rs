@@ -68,8 +68,7 @@ fn neighbours_agree_on_what_is_planted() {
             let (forest, origin) = (landscape.plant(tile).unwrap(), landscape.origin(tile));
             for tree in forest.trees() {
                 let foot = tree.foot().as_dvec3() + origin;
-                let (habit, place) =
-                    *known.entry(tree.number()).or_insert((tree.habit(), [foot.x, foot.z]));
+                let (habit, place) = *known.entry(tree.number()).or_insert((tree.habit(), [foot.x, foot.z]));
                 assert!(habit == tree.habit());
                 assert!((place[0] - foot.x).abs() < 1e-5 && (place[1] - foot.z).abs() < 1e-5);
                 let height = f64::from(hills(foot.x as f32, foot.z as f32));
@@ -118,7 +117,10 @@ fn borders_do_not_show() {
         means(&edge)
     };
     let (with, without) = (edges(2), edges(0));
-    assert!((with.0 / whole.0 - 1.0).abs() < 0.06 && (with.1 / whole.1 - 1.0).abs() < 0.05, "{with:?} {whole:?}");
+    assert!(
+        (with.0 / whole.0 - 1.0).abs() < 0.06 && (with.1 / whole.1 - 1.0).abs() < 0.05,
+        "{with:?} {whole:?}"
+    );
     assert!(without.0 > 1.3 * whole.0, "{without:?} {whole:?}");
 }
 

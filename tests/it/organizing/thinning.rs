@@ -43,7 +43,8 @@ fn thinning(shedding: Shedding, seed: u64) -> (f64, f64) {
     for _ in 0..22 {
         forest.step().unwrap();
         let inside = |tree: &&Tree| tree.foot().with_y(0.0).abs().max_element() < 8.1 && tree.metamers() > 0;
-        let volumes: Vec<f64> = forest.trees().iter().filter(inside).map(|tree| volume(&forest, tree)).collect();
+        let volumes: Vec<f64> =
+            forest.trees().iter().filter(inside).map(|tree| volume(&forest, tree)).collect();
         let trees = volumes.len() as f64;
         first = first.max(trees);
         if trees < 0.85 * first {
@@ -99,8 +100,14 @@ fn canopy_and_understory_coexist() {
     for seed in 1..=3 {
         let [canopy, understory] = storeys(8.0, seed);
         assert!(canopy.0 >= 45 && understory.0 >= 45, "seed {seed}: {canopy:?} {understory:?}");
-        assert!(canopy.2 > 3.0 * understory.3 && understory.2 > 1.5, "seed {seed}: {canopy:?} {understory:?}");
+        assert!(
+            canopy.2 > 3.0 * understory.3 && understory.2 > 1.5,
+            "seed {seed}: {canopy:?} {understory:?}"
+        );
         let [canopy, starved] = storeys(1.0, seed);
-        assert!(canopy.0 >= 45 && starved.0 <= 5 && starved.1 * 50 < understory.1, "seed {seed}: {starved:?}");
+        assert!(
+            canopy.0 >= 45 && starved.0 <= 5 && starved.1 * 50 < understory.1,
+            "seed {seed}: {starved:?}"
+        );
     }
 }
