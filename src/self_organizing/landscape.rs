@@ -100,6 +100,10 @@ pub struct Landscape<E: Environment = ShadowPropagation> {
     terrain: Option<Arc<dyn Terrain>>,
 }
 
+crate::recipe::readable!(@[E: Environment] Landscape<E> {
+    spacing: f32, scatter: f32, tile: u32, margin: u32, height: f32,
+});
+
 impl<E: Environment> fmt::Debug for Landscape<E> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let mut all = f.debug_struct("Landscape");
@@ -197,6 +201,11 @@ impl<E: Environment> Landscape<E> {
     pub fn with_terrain(mut self, terrain: impl Terrain + 'static) -> Self {
         self.terrain = Some(Arc::new(terrain));
         self
+    }
+
+    /// The species.
+    pub fn habits(&self) -> &[Habit] {
+        &self.habits
     }
 
     /// The length of a side of a tile, metres.
