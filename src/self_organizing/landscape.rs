@@ -78,7 +78,8 @@ impl Terrain for Ground {
 /// let mut forest = landscape.plant(tile)?;
 /// assert_eq!(forest.trees().len(), 64);
 /// forest.grow(6)?;
-/// assert_eq!(landscape.own(&forest).count(), 16);
+/// // Of the sixteen that are its own some may have died in the shade of others.
+/// assert!((12..=16).contains(&landscape.own(&forest).count()));
 /// for tree in landscape.own(&forest) {
 ///     let (skeleton, _stands_at) = (forest.skeleton(tree)?, landscape.origin(tile));
 ///     assert!(skeleton.len() > 1);
@@ -177,8 +178,10 @@ impl<E: Environment> Landscape<E> {
     /// use treesynth::glam::IVec2;
     /// use treesynth::self_organizing::{Habit, Landscape, ShadowPropagation};
     ///
-    /// let mut landscape = Landscape::new(ShadowPropagation::new, Habit::default(), 1);
-    /// let alder = landscape.add_habit(Habit::default().with_shade_tolerance(0.5));
+    /// let light = |bounds| ShadowPropagation::new(bounds).with_cell(0.1);
+    /// let habit = Habit::default().with_length(0.1);
+    /// let mut landscape = Landscape::new(light, habit.clone(), 1);
+    /// let alder = landscape.add_habit(habit.with_shade_tolerance(0.5));
     /// // Alders along a stream of 6 m, three quarters stocked elsewhere.
     /// let landscape = landscape.with_species(move |x, _z, draw| match x.abs() {
     ///     0.0..3.0 => None,
