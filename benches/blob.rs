@@ -11,7 +11,7 @@ use treesynth::surface::blob::Skin;
 /// Nodes of the graph, and the greatest turn of the skin: as many cones as wanted.
 const NODES: usize = 1_000_000;
 const TURN: f32 = 0.015;
-/// What is wanted of building, milliseconds.
+/// Goal of building, milliseconds.
 const GOAL: f64 = 1000.0;
 /// Points evaluated at once.
 const POINTS: usize = 4096;

@@ -15,7 +15,7 @@ const COPIED: &str = "as many bytes copied";
 const DRAWN: &str = "preview of 900 x 900";
 const DRAWN_BY_TWO: &str = "preview of 900 x 900, two threads";
 
-/// What is wanted, milliseconds.
+/// Goals, milliseconds.
 const GOALS: [(&str, f64); 4] = [(PLACED, 10.0), (WRITTEN, 30.0), (DRAWN, 1000.0), (DRAWN_BY_TWO, 1000.0)];
 
 fn main() {

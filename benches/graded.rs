@@ -1,4 +1,4 @@
-//! Graphs of varying spacing beside one of a single spacing and as many nodes, one thread, in time a node.
+//! Graphs of varying spacing beside one of a single spacing and as many nodes, one thread, in time per node.
 
 mod measure;
 
@@ -59,5 +59,5 @@ fn main() {
         })
         .collect();
     let head = ["spacing", "nodes", "nodes, ns", "edges, ns", "whole, ns", "/ PoissonYao"];
-    print_table("Graphs, one thread, medians; ns a node, without working out the spacing:", &head, &rows);
+    print_table("Graphs, one thread, medians; ns per node, without working out the spacing:", &head, &rows);
 }

@@ -14,7 +14,7 @@ fn cottonwood() -> Growth {
     Growth::new(Architecture::cottonwood(), measure::SEED).expect("a species in range")
 }
 
-/// What no way to make a skeleton can do without: its arrays filled and checked once.
+/// The work that every way to make a skeleton has in common: its arrays filled and checked once.
 fn copy(skeleton: &Skeleton) -> Skeleton {
     let parents = (0..skeleton.len()).map(|node| skeleton.parent(node).map(|parent| parent as u32)).collect();
     let copy = Skeleton::new(skeleton.positions().to_vec(), parents).expect("a copy");
@@ -80,7 +80,7 @@ fn main() {
             "leaves",
             "ms",
             "goal, ms",
-            "ns an internode",
+            "ns per internode",
             "copy of the skeleton, ms",
             "timeline at nine tenths, ms",
         ],

@@ -15,7 +15,7 @@ use treesynth::surface::Implicit;
 
 /// Nodes of the graph: as many as give about 17,000 segments.
 const NODES: usize = 1_000_000;
-/// What is wanted of 21,000 segments on two threads, milliseconds. Time grows with the segments.
+/// Goal for 21,000 segments on two threads, milliseconds. Time grows with the segments.
 const GOAL: f64 = 5000.0;
 const GOAL_SEGMENTS: f64 = 21_000.0;
 
@@ -36,7 +36,7 @@ fn rod() -> Vec<Vec3> {
         .collect()
 }
 
-/// How far from the rod's surface each middle of a voxel is, in voxels.
+/// Distance of each voxel's middle from the rod's surface, in voxels.
 fn samples_of(rod: &[Vec3], shape: &RuntimeShape<u32, 3>) -> Vec<f32> {
     let distance = |point: Vec3, from: Vec3, to: Vec3| {
         let way = to - from;
@@ -103,7 +103,7 @@ fn beside_an_array(group: &mut BenchmarkGroup<'_, WallTime>, samples: &mut Sampl
     }
     print_table(
         &format!("A rod within {ARRAY} voxels along each side, one thread:"),
-        &["", "ms", "triangles", "ns a triangle", "ours / theirs"],
+        &["", "ms", "triangles", "ns per triangle", "ours / theirs"],
         &rows,
     );
 }
@@ -120,7 +120,7 @@ fn main() {
     let cases = [
         ("a voxel a radius", surface.clone()),
         ("longer triangles", surface.clone().with_error(0.15)),
-        ("0.87 voxels a radius", surface.with_detail(0.87)),
+        ("0.87 voxels per radius", surface.with_detail(0.87)),
     ];
     let mut samples = Samples::default();
     let mut group = measure::group(&mut criterion, "implicit");
@@ -161,7 +161,7 @@ fn main() {
             "two for 21,000 / goal",
             "vertices",
             "mesh, MB",
-            "million vertices a second",
+            "million vertices per second",
         ],
         &rows,
     );

@@ -1,4 +1,5 @@
-//! The most heap that a whole tree has in use, counted by the allocator, step by step, in bytes a node; and of a skin.
+//! The most heap that a whole tree has in use, counted by the allocator, step by step, in bytes per node; and
+//! of a skin.
 //!
 //! Apart from the other benches, for the counting allocator grows blocks by copying them and fills zeroed ones
 //! by hand: its times are no use, and its peak is what an allocator needs that can do no better.
@@ -17,7 +18,7 @@ use treesynth::{Observer, Progress, Work};
 #[global_allocator]
 static HEAP: PeakAlloc = PeakAlloc;
 
-/// What is wanted, bytes a node.
+/// Goal, bytes per node.
 const GOAL: f64 = 100.0;
 
 /// Notes the peak of each step, bytes above what was in use before.
@@ -43,7 +44,7 @@ struct Usage {
     nodes: usize,
     /// The most in use while nodes are placed, edges are found, paths are searched, radii are worked out.
     peaks: [usize; 4],
-    /// What the finished graph holds.
+    /// Memory of the finished graph.
     graph: usize,
 }
 
@@ -90,7 +91,7 @@ fn poplar() -> Vec<Vec<String>> {
         let voxel = tree.bounds().size().max_element() / detail;
         let surface = Polygonizer::default().with_voxel(voxel).with_detail(1.0).with_most_blocks(20_000_000);
         let mesh = surface.mesh(&tree).expect("a surface");
-        note(format!("polygons, {detail} voxels a side: {} vertices", count(mesh.positions.len())), before);
+        note(format!("polygons, {detail} voxels per side: {} vertices", count(mesh.positions.len())), before);
     }
     rows
 }
@@ -115,7 +116,7 @@ fn main() {
         .collect();
     let steps = [Work::Nodes, Work::Edges].map(label);
     print_table(
-        &format!("Preset {PRESET}, one thread: the most heap in use, bytes a node."),
+        &format!("Preset {PRESET}, one thread: the most heap in use, bytes per node."),
         &[
             "nodes",
             "peak, MB",

@@ -180,7 +180,7 @@ fn main() {
     });
     print_table(
         "The 25 trees with something else; the upper half of theirs pruned; 576 trees on a landscape; 500 on a hectare, two threads.",
-        &["case", "metamers", "ms", "ns a metamer", "times as long as the 25 trees"],
+        &["case", "metamers", "ms", "ns per metamer", "times as long as the 25 trees"],
         &beside.chain(more).collect::<Vec<_>>(),
     );
 
@@ -220,7 +220,7 @@ fn print_cases(samples: &Samples) {
             "ms",
             "goal, ms",
             "original, ms",
-            "ns a metamer",
+            "ns per metamer",
             "original's",
             "two threads faster by",
         ],

@@ -220,8 +220,9 @@ fn neighbour_sum(tree: &ImmutableKdTree<f32, 3>, points: &[[f32; 3]]) -> u64 {
         .sum()
 }
 
-/// What a tree from `fast_poisson`, `kiddo` and `petgraph` takes at least: nodes, for each the nearest in every octant
-/// among [`NEIGHBOURS`], and full searches on weights that stay as they are. Paths are not even read.
+/// The least time of a tree from `fast_poisson`, `kiddo` and `petgraph`: nodes, for each the
+/// nearest in every octant among [`NEIGHBOURS`], and full searches on weights that stay as they
+/// are. Paths are not even read.
 fn assembled(darts: &Poisson3D, searches: usize) -> f32 {
     let points: Vec<[f32; 3]> = darts.generate().into_iter().map(|p| p.map(|x| x as f32)).collect();
     let tree = ImmutableKdTree::<f32, 3>::new_from_slice(&points);

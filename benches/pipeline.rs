@@ -11,9 +11,10 @@ const WHOLE: &str = "whole tree";
 const STANDING: &str = "on a standing graph";
 const REUSED: &str = "on a standing graph, search reused";
 
-/// What is wanted of the whole tree and of a tree on a standing graph, milliseconds.
+/// Goals for the whole tree and for a tree on a standing graph, milliseconds.
 const GOALS: [f64; 2] = [1000.0, 250.0];
-/// What the paper measured (section 4, one CPU of 2.8 GHz): the whole, its graph, its paths; milliseconds.
+/// The paper's measurement (section 4, one CPU of 2.8 GHz): the whole, its graph, its paths;
+/// milliseconds.
 const PAPER: [f64; 3] = [9500.0, 6000.0, 2000.0];
 
 fn main() {
@@ -66,7 +67,7 @@ fn print_steps(samples: &Samples, title: &str, nodes: usize, stages: usize) {
         })
         .collect();
     rows.push(row("whole", whole, whole, nodes, samples.median(REUSED)));
-    print_table(title, &["step", "ms", "share", "ns a node", "ms, search reused"], &rows);
+    print_table(title, &["step", "ms", "share", "ns per node", "ms, search reused"], &rows);
 }
 
 fn row(step: &str, time: f64, whole: f64, nodes: usize, reused: Option<f64>) -> Vec<String> {

@@ -13,7 +13,7 @@ use treesynth::{Silent, foliage::Leaves, presets};
 
 /// In the last summer.
 const AGE: f32 = 26.6;
-/// Pictures of the film, one a year.
+/// Pictures of the film, one per year.
 const FRAMES: usize = 27;
 /// No goal, or no time of the paper.
 const NONE: f64 = 0.0;
@@ -57,7 +57,7 @@ fn run() {
     };
     let frames = measure::size(FRAMES, 3);
     let (mut samples, mut rows) = (Samples::default(), Vec::new());
-    // How often, in seconds what is wanted and what the paper took, and the work.
+    // Number of runs, goal and paper's time in seconds, and the work.
     let mut time = |name: &str, times: usize, [goal, paper]: [f64; 2], work: &mut dyn FnMut()| {
         samples.repeat(times, name, work);
         let Some(milliseconds) = samples.median(name) else { return };
@@ -71,8 +71,8 @@ fn run() {
     time("ray cast, 768 x 768", 3, [15.0, 430.0], &mut || drop(draw(&square, &tree, &[])));
     time("the same with leaves", 3, [15.0, 430.0], &mut || drop(draw(&square, &tree, &leaves)));
     let mut vertices = [0; 2];
-    time("polygons, 1024 voxels a side", 3, [20.0, 350.0], &mut || vertices[0] = polygons(1024));
-    time("polygons, 8192 voxels a side", 3, [20.0, NONE], &mut || vertices[1] = polygons(8192));
+    time("polygons, 1024 voxels per side", 3, [20.0, 350.0], &mut || vertices[0] = polygons(1024));
+    time("polygons, 8192 voxels per side", 3, [20.0, NONE], &mut || vertices[1] = polygons(8192));
     time("27 frames of 480 x 640 with leaves", 1, [240.0, NONE], &mut || {
         for year in 0..frames {
             let age = year as f32 + 0.6;

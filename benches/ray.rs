@@ -48,7 +48,7 @@ fn main() {
     let film = preview.clone().with_size(measure::size(480, 20) as u32, measure::size(640, 20) as u32);
     let cases = [
         ("768 x 768", preview.clone()),
-        ("768 x 768, one sample a pixel", preview.clone().with_supersampling(1)),
+        ("768 x 768, one sample per pixel", preview.clone().with_supersampling(1)),
         ("480 x 640", film),
     ];
     let mut samples = Samples::default();

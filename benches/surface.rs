@@ -1,4 +1,4 @@
-//! The surface of a tree at 8 sides: milliseconds, and vertices a second.
+//! The surface of a tree at 8 sides: milliseconds, and vertices per second.
 
 mod measure;
 
@@ -8,10 +8,10 @@ use treesynth::surface::{Capsules, Levels, Tubes};
 
 /// Nodes of the graph: four times the typical number, for about 16,000 segments.
 const NODES: usize = 600_000;
-/// What is wanted of so many segments at 8 sides, milliseconds. Time grows with the segments.
+/// Goal for `GOAL_SEGMENTS` segments at 8 sides, milliseconds. Time grows with the segments.
 const GOAL: f64 = 15.0;
 const GOAL_SEGMENTS: f64 = 21_000.0;
-/// What is measured on two threads too.
+/// The row that is measured on two threads too.
 const TWO: &str = "levels, two threads";
 
 fn main() {
@@ -23,8 +23,8 @@ fn main() {
     let eight = Tubes::default().with_sides(8).with_least_sides(8);
     let plain = eight.clone().with_turn(7.0).with_collars(false).with_root_flare(0.0);
     let cases = [
-        ("a ring a node", plain.clone()),
-        ("a ring a node, collars", plain.with_collars(true)),
+        ("one ring per node", plain.clone()),
+        ("one ring per node, collars", plain.with_collars(true)),
         ("a ring every 20°, collars, root flare", eight.clone()),
         ("the same with wind weights", eight.with_wind(true)),
         ("default: 12 to 4 sides", Tubes::default()),
@@ -74,7 +74,7 @@ fn main() {
             "Preset {PRESET}, {} segments, one thread but where it is said, medians:",
             count(tree.segments())
         ),
-        &["", "ms", "ms for 21,000", "... / goal", "vertices", "triangles", "million vertices a second"],
+        &["", "ms", "ms for 21,000", "... / goal", "vertices", "triangles", "million vertices per second"],
         &rows,
     );
 }

@@ -11,7 +11,7 @@ use treesynth::texture::{Bark, BarkKind};
 
 const PLAIN: &str = "preview of a trunk, 900 x 900";
 const WORN: &str = "the same with oak of 1024 x 1024";
-/// What is wanted of a set, milliseconds.
+/// Goal for a set, milliseconds.
 const GOAL: f64 = 300.0;
 
 fn main() {

@@ -1,5 +1,5 @@
-//! What a second thread brings (feature `parallel`): the typical tree, trees refined between stages, and ten trees on
-//! one graph. Each in the same run on one thread and on two.
+//! Gain by a second thread (feature `parallel`): the typical tree, trees refined between stages,
+//! and ten trees on one graph. Each in the same run on one thread and on two.
 
 mod measure;
 

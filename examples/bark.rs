@@ -33,9 +33,9 @@ cargo run --release --example bark -- [OPTIONS]
 
 /// The trunk's and the limb's radius, metres.
 const RADII: [f32; 2] = [0.24, 0.055];
-/// How far they are apart.
+/// Distance of one from the next.
 const APART: f32 = 0.34;
-/// What the bark's light is multiplied by, so that white bark in the sun is not whiter than paper.
+/// Factor on the bark's light, so that white bark in the sun is not whiter than paper.
 const EXPOSURE: [f32; 3] = [0.55; 3];
 /// Height of what is seen of them.
 const SEEN: f32 = 0.78;

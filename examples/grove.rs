@@ -42,7 +42,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         rules.then(Bend::piecewise(angle, 0.0, 1).with_hop_length(0.25))
     });
     let crown = Ellipsoid::new(Vec3::Y * 5.0, Vec3::new(2.6, 2.4, 2.6));
-    // What is nearer to a neighbour's trunk costs more, so crowns give way to each other.
+    // Places nearer to a neighbour's trunk cost more, so crowns give way to each other.
     let limbs = Stage::new(limbs, AroundEachRoot::new(crown, Count::UpTo(30))).with_weight(Territory::new(
         Apart::new(Guided, 0.25),
         feet.clone(),

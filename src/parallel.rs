@@ -53,7 +53,8 @@ fn is_worth_it(tasks: usize) -> bool {
     tasks > 1 && rayon::current_num_threads() > 1
 }
 
-/// Into how many tasks to cut work of unequal parts, so that all threads have something to do until the end.
+/// Number of tasks into which work of unequal parts is cut, so that all threads have something to
+/// do until the end.
 #[cfg(feature = "parallel")]
 pub(crate) fn tasks() -> usize {
     match rayon::current_num_threads() {

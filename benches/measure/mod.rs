@@ -1,4 +1,4 @@
-//! What the benches share: the tree they grow, the times they take, the tables they print.
+//! Parts that the benches share: the tree they grow, the times they take, the tables they print.
 #![allow(dead_code, reason = "no bench uses all of it")]
 
 use criterion::{Bencher, BenchmarkGroup, Criterion, SamplingMode, measurement::WallTime};
@@ -20,7 +20,7 @@ pub(crate) fn tree(nodes: usize) -> TreeSynth {
     presets::by_name(PRESET).expect("a preset of this name").guided().unwrap().synth(nodes)
 }
 
-/// Whether all benches are only to be run once, to see that they work: `cargo bench -- --test`.
+/// `true` if all benches are only to be run once, to see that they work: `cargo bench -- --test`.
 pub(crate) fn is_test() -> bool {
     std::env::args().any(|argument| argument == "--test")
 }
@@ -131,7 +131,7 @@ impl Samples {
     }
 }
 
-/// What the tables call a step.
+/// Name of a step in the tables.
 pub(crate) fn label(step: Work) -> String {
     match step {
         Work::Nodes => "nodes".to_owned(),

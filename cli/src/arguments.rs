@@ -22,8 +22,8 @@ Examples:
   treesynth forest beech \"scots pine\" --trees 40 --spacing 5
   treesynth measure scan.csv --json
 
-Exit status: 0 done; 1 a file could not be read or written, or the work failed; 2 the command line asks for what
-cannot be had, and nothing was done; 130 interrupted. Files get their names when all of a run are whole.";
+Exit status: 0 done; 1 a file could not be read or written, or the work failed; 2 the command line asks for
+something impossible, and nothing was done; 130 interrupted. Files get their names when all of a run are whole.";
 
 /// Options of all commands.
 #[derive(Args)]

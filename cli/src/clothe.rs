@@ -14,7 +14,7 @@ use treesynth::texture::Bark;
 /// Triangles of each level over those of the one before.
 const SHARE: f32 = 0.3;
 
-/// Which surface branches get.
+/// Kinds of surfaces of branches.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub(crate) enum Surface {
     /// Tubes with collars, within the budget, with images
@@ -23,7 +23,7 @@ pub(crate) enum Surface {
     Closed,
 }
 
-/// What a tree wears.
+/// Options for the images and leaves of a tree.
 #[derive(Args, Debug)]
 pub(crate) struct Clothes {
     /// Triangles of bark, leaves and cards of the finest level, 100 to 100000000, or none: the dense model [default: 20000]
@@ -41,12 +41,12 @@ pub(crate) struct Clothes {
     /// Surface of the branches
     #[arg(long, value_enum, default_value = "tubes", value_name = "KIND")]
     pub(crate) surface: Surface,
-    /// Voxels a radius of the closed surface, 0.867 to 64 [default: 1]
-    #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = number(0.867..=64.0_f32, "voxels a radius"))]
+    /// Voxels per radius of the closed surface, 0.867 to 64 [default: 1]
+    #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = number(0.867..=64.0_f32, "voxels per radius"))]
     pub(crate) detail: Option<f32>,
 }
 
-/// What is written.
+/// The model that is written.
 pub(crate) enum Model {
     /// The finest first; if there are several, the last is an impostor.
     Levels(Vec<Asset>),

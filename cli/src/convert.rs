@@ -43,7 +43,7 @@ pub(crate) struct Options {
     /// Metres in a unit of the file that is written, 0.000001 to 1000000 [default: 1]
     #[arg(long, value_name = "M", allow_negative_numbers = true, value_parser = number(1e-6..=1e6_f64, "metres"))]
     unit: Option<f64>,
-    /// Which tree of a file with several, from 1
+    /// Number of the tree to read from a file with several, from 1
     #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = number(1..=u32::MAX, ""))]
     tree: Option<u32>,
     /// Keep one point of each cube of this side, 0.0001 to 1000 m
@@ -51,7 +51,7 @@ pub(crate) struct Options {
     thin: Option<f32>,
 }
 
-/// What is written.
+/// The kind of output.
 enum Target {
     Points(Kind),
     Tree(Format),
@@ -251,7 +251,7 @@ impl Options {
     }
 }
 
-/// What files without an offset of their own lose.
+/// A note of the offset, for files without one of their own.
 fn moved(offset: DVec3) -> String {
     format!("; moved by -{offset}, which was taken off the coordinates")
 }

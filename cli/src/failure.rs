@@ -4,7 +4,7 @@ use std::fmt;
 
 pub(crate) type Failure = Box<dyn std::error::Error>;
 
-/// The command line asks for what cannot be had. Nothing was done: exit status 2. All other failures have 1.
+/// A command line that asks for something impossible. Nothing was done: exit status 2. All other failures have 1.
 #[derive(Debug)]
 pub(crate) struct Refused(String);
 

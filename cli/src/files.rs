@@ -26,7 +26,7 @@ pub(crate) fn abandon() {
 /// [`finish`](Self::finish), so that a run that fails or is stopped changes nothing, and of two runs one has all names.
 pub(crate) struct Outputs {
     folder: PathBuf,
-    /// Where files are, and where they go.
+    /// Paths of files in the making, and their final paths.
     files: Vec<(PathBuf, PathBuf)>,
 }
 
@@ -46,7 +46,7 @@ impl Outputs {
         Ok(outputs)
     }
 
-    /// Whether a file can be made there; asked before the work begins.
+    /// Checks that a file can be made there; called before the work begins.
     pub(crate) fn check(option: &str, path: &Path) -> Result<(), Failure> {
         if path.as_os_str().is_empty() || path.is_dir() {
             return Err(format!("{option} is \"{}\", but must be a file", path.display()).into());

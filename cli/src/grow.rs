@@ -68,7 +68,7 @@ enum Time {
     Autumn,
 }
 
-/// What grows, with all of the command line checked.
+/// The tree to grow, with all of the command line checked.
 enum Plan<'a> {
     Species(&'a Species),
     Preset(&'static Preset),

@@ -15,10 +15,10 @@ Examples:
   treesynth list stands --json
   treesynth list --json | jq -r '.[] | select(.kind == \"species\") | .latin'")]
 pub(crate) struct Options {
-    /// What is listed; everything if it is left out
+    /// Kind of things to list; everything if it is left out
     #[arg(value_enum)]
     kind: Option<Kind>,
-    /// Only what has this word in its name or description, in capitals or not
+    /// Only entries with this word in their name or description, in capitals or not
     #[arg(long, value_name = "WORD")]
     find: Option<String>,
 }

@@ -106,7 +106,7 @@ impl Options {
     }
 }
 
-/// What a skeleton lacks.
+/// Properties that a skeleton may lack.
 fn known(tree: &Skeleton) -> Value {
     json!({ "has_radii": tree.radii().iter().any(|&radius| radius > 0.0) })
 }

@@ -39,7 +39,7 @@ impl Bar {
         self.bar.set_message(name.into());
     }
 
-    /// How many of the parts are done.
+    /// Sets the number of parts that are done.
     pub(crate) fn done(&self, parts: u64) {
         self.bar.set_position(parts);
     }

@@ -35,7 +35,7 @@ pub(crate) enum Kind {
 }
 
 impl Kind {
-    /// By the ending of a file's name, in capitals or not.
+    /// The kind of a file by its name's ending, in capitals or not.
     pub(crate) fn of(path: &Path) -> Option<Self> {
         match path.extension()?.to_str()?.to_ascii_lowercase().as_str() {
             "json" => Some(Self::Json),
@@ -55,7 +55,7 @@ impl Kind {
     }
 }
 
-/// How a file is read.
+/// Options for reading a file.
 #[derive(Args, Debug)]
 pub(crate) struct In {
     /// Kind of the file that is read [default: by its name's ending]
@@ -69,7 +69,7 @@ pub(crate) struct In {
     pub(crate) unit_in: Option<f64>,
 }
 
-/// What stands in a file.
+/// Contents of a file.
 pub(crate) enum Content {
     /// Trees, and what was taken off their coordinates, in the file's axes and unit.
     Trees(Vec<Skeleton>, DVec3),

@@ -1,4 +1,4 @@
-//! What is said on standard output.
+//! Text on standard output.
 
 use crate::Failure;
 use crate::arguments::Common;

@@ -53,7 +53,7 @@ pub(crate) struct Options {
     out: Out,
 }
 
-/// What is filled.
+/// The shape to fill.
 enum Source {
     Mesh(PathBuf),
     Drawing(PathBuf),

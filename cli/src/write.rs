@@ -33,7 +33,7 @@ pub(crate) enum Format {
     Svg,
     /// The skeleton as JSON, every number whole
     Json,
-    /// The skeleton as SWC: a row a node
+    /// The skeleton as SWC: one row per node
     Swc,
     /// The skeleton as a QSM table, .csv: a row a cylinder
     Qsm,
@@ -60,7 +60,7 @@ impl Format {
         }
     }
 
-    /// Whether it has the skeleton and no triangles.
+    /// `true` if it has the skeleton and no triangles.
     pub(crate) fn has_skeleton(self) -> bool {
         matches!(self, Self::Svg | Self::Json | Self::Swc | Self::Qsm | Self::Mtg)
     }
@@ -84,18 +84,18 @@ impl From<Up> for UpAxis {
     }
 }
 
-/// How copies of a leaf are written in .glb files.
+/// Form of a leaf's copies in .glb files.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub(crate) enum Instances {
     /// Multiplied out: every program reads it
     Merged,
     /// `EXT_mesh_gpu_instancing`
     Extension,
-    /// A node each
+    /// One node each
     Nodes,
 }
 
-/// Where files go, and how.
+/// Options for writing files.
 #[derive(Args, Debug)]
 pub(crate) struct Out {
     /// Kinds of files, separated by commas
@@ -247,7 +247,7 @@ impl Out {
         formats
     }
 
-    /// Whether anything but skeletons is written.
+    /// `true` if anything but skeletons is written.
     pub(crate) fn has_triangles(&self) -> bool {
         self.format.iter().any(|format| !format.has_skeleton())
     }

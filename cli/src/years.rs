@@ -37,7 +37,8 @@ pub(crate) struct Options {
     /// Seed, 0 to 18446744073709551615 [default: the preset's]
     #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = number(0..=u64::MAX, ""))]
     seed: Option<u64>,
-    /// Pictures of the animation NAME.apng, 2 to 1000, or 0 for none [default: one a year; 48 of less than two years]
+    /// Pictures of the animation NAME.apng, 2 to 1000, or 0 for none [default: one per year; 48 of less than
+    /// two years]
     #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = number(0..=1000_u32, "pictures"))]
     frames: Option<u32>,
     /// Age at which the animation begins, years [default: 0.6, the first summer]
@@ -190,7 +191,8 @@ impl Options {
         Ok(files)
     }
 
-    /// By its whole name, or by what it ends in; the drawings in the plane are those of a figure.
+    /// The preset of this whole name, or of this ending of a name; the drawings in the plane are
+    /// those of a figure.
     fn preset(&self) -> Result<&'static Grown, Failure> {
         let ending = format!("-{}", self.name_of_tree.to_lowercase());
         match presets::grown().find(|preset| !preset.planar && preset.name.ends_with(&ending)) {
@@ -253,7 +255,7 @@ impl Look {
     /// In tubes, or in a skin with scars and ridges.
     fn draw(&self, preset: &Grown, preview: &Preview, skin: bool) -> Result<Picture, Failure> {
         let parts = self.parts(preset);
-        // What has no internode yet has no bark.
+        // A tree without an internode has no bark yet.
         if !skin || self.stand.skeleton.segments() == 0 {
             return Ok(preview.draw_parts(&parts)?);
         }

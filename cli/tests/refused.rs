@@ -1,4 +1,5 @@
-//! What cannot be had is refused before work begins, by the option's name, its value and what is allowed.
+//! Impossible values are refused before work begins, by the option's name, its value and
+//! the allowed range.
 
 mod common;
 

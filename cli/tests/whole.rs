@@ -44,7 +44,7 @@ fn an_interrupted_run_leaves_the_old_files() {
             world.has_no_remains();
         }
     }
-    // What was killed leaves files under other names, which do not trouble the next run.
+    // A killed run leaves files under other names, which do not trouble the next run.
     world.run(SMALL).ok();
 }
 

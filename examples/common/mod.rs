@@ -1,4 +1,5 @@
-//! What the example programs share: files that are whole or not there, options that are named when they are wrong.
+//! Parts that the example programs share: files that are whole or not there, options that are named
+//! when they are wrong.
 #![allow(dead_code, unused_imports, reason = "each program uses a part")]
 
 #[path = "../../cli/src/files.rs"]

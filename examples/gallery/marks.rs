@@ -1,4 +1,5 @@
-//! What figures 10 and 11 draw beside the tree: the volume of its crown, and the surface that endpoints are chosen from.
+//! Drawings beside the trees of figures 10 and 11: the volume of the crown, and the surface that
+//! endpoints are chosen from.
 
 use super::{Failure, Options};
 use treesynth::glam::Vec3;

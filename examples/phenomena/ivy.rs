@@ -15,7 +15,7 @@ use treesynth::{GuidingRule, Silent, Skeleton};
 
 type Failure = Box<dyn std::error::Error>;
 
-/// Where the ivy is rooted: at the foot of the wall's front.
+/// The root of the ivy, at the base of the wall's front.
 const FOOT: Vec3 = Vec3::new(1.6, 0.0, 1.0);
 
 /// Upwards along the surface, in a line that wavers; off a bearing stem to one side first.

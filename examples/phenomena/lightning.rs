@@ -15,7 +15,7 @@ type Failure = Box<dyn std::error::Error>;
 
 /// The cloud's base, metres.
 const CLOUD: f32 = 1_000.0;
-/// Where it strikes.
+/// Target of the stroke.
 const TARGET: Vec3 = Vec3::new(120.0, 0.0, 0.0);
 
 /// The way along the guiding vector is cheap, but the air's resistance varies from edge to edge: a factor with a

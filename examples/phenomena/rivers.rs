@@ -184,7 +184,7 @@ pub(crate) fn draw(nodes: usize, seed: u64, size: u32) -> Result<(Picture, Strin
     let measured =
         format!("Hack's exponent {:.3}, {uphill} of {} segments run uphill", hack(&tree), tree.segments());
     let steep = |p: Vec3| Vec3::new(p.x, p.y * 2.5, p.z);
-    // What drains enough to be seen as a river.
+    // Segments that drain enough to be seen as a river.
     let (areas, _) = drainage(&tree);
     let least = (nodes as f32 / 500.0).max(4.0);
     let (mut places, mut parents, mut positions, mut radii) =

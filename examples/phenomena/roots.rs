@@ -103,7 +103,7 @@ pub(crate) fn draw(nodes: usize, seed: u64, size: u32) -> Result<(Picture, Strin
         100.0 * share_above(&tree, 0.5)
     );
     let mesh = Tubes::default().mesh(&tree.relaxed(0.5, 3)?)?;
-    // What stands above: a stump.
+    // A stump stands above.
     let foot = tree.radii()[0];
     let stump =
         Skeleton::new(vec![Vec3::Y * -0.05, Vec3::Y * 0.12, Vec3::Y * 0.45], vec![None, Some(0), Some(1)])?

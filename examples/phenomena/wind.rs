@@ -18,7 +18,7 @@ type Failure = Box<dyn std::error::Error>;
 /// The rock lies half in the ground, so that the flow around the whole of it keeps to the ground.
 pub(crate) const ROCK: f32 = 1.5;
 
-/// Where the shrub stands, before the rock in the wind.
+/// Root of the shrub, before the rock in the wind.
 const ROOT: Vec3 = Vec3::new(-3.4, 0.0, 0.25);
 
 /// The potential flow along +X around a ball (Batchelor 1967, "An introduction to fluid dynamics", section 6.8).

@@ -1,4 +1,5 @@
-//! Whether species can be told apart: each tree is named by the nearest mean of the other trees' measures.
+//! A test of how well species can be told apart: each tree is named by the nearest mean of the
+//! other trees' measures.
 
 use crate::common::Failure;
 use crate::measure::{self, COUNT};

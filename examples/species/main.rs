@@ -36,7 +36,7 @@ Usage: species (--sheet KIND | --table | --classify) [options]
   --seeds N           trees of each species for the table and the naming [20]
   --out DIR           [out]";
 
-/// What is done with all species.
+/// Work to be done with all species.
 enum Task {
     Sheet(String),
     Table,

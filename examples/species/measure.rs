@@ -1,4 +1,4 @@
-//! What a forester measures, on a grown tree.
+//! A forester's measures on a grown tree.
 
 use treesynth::foliage::Leaves;
 use treesynth::glam::Vec3;
@@ -56,7 +56,8 @@ pub(crate) fn all(tree: &Specimen) -> Result<[f64; COUNT], ParameterError> {
     ])
 }
 
-/// What tells species apart beside these: length of the median leaf, length of shoots, height of the crown's base, limbs.
+/// Measures beside these that tell species apart: length of the median leaf, length of shoots,
+/// height of the crown's base, limbs.
 pub(crate) fn more(tree: &Specimen) -> [f64; 4] {
     let leaves = tree.leaves.as_ref().map_or(&[][..], |leaves| &leaves.instances);
     let sizes: Vec<f64> = leaves.iter().step_by(37).map(|leaf| f64::from(math::ln(leaf.scale))).collect();

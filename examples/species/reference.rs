@@ -10,7 +10,7 @@
 use crate::measure::COUNT;
 use treesynth::math;
 
-/// What is known of a species; zeros where nothing is.
+/// Published measures of a species; zeros where there are none.
 #[derive(Clone, Copy)]
 pub(crate) struct Known {
     pub(crate) name: &'static str,

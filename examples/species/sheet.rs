@@ -9,7 +9,7 @@ use treesynth::shape::Bounds;
 use treesynth::species::{self, Species, Specimen};
 use treesynth::surface::{Instance, Material, Mesh, Part, Tubes};
 
-/// Metres of a cell across, of sky above the tallest tree of a row, and pixels a metre.
+/// Metres of a cell across, of sky above the tallest tree of a row, and pixels per metre.
 const WIDTH: f32 = 17.0;
 const SKY: f32 = 1.0;
 const SCALE: f32 = 16.0;

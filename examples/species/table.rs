@@ -6,7 +6,7 @@ use crate::reference::{KNOWN, STANDS, quartiles};
 use rayon::prelude::*;
 use treesynth::species::{self, SpeciesError};
 
-/// A Markdown table, a row a cell that has a reference, and how many medians lie within.
+/// A Markdown table, one row per cell that has a reference, and how many medians lie within.
 pub(crate) fn lines(seeds: u64) -> Result<Vec<String>, Failure> {
     let mut lines =
         vec!["| species | measure | median | reference | |".to_owned(), "|---|---|---|---|---|".to_owned()];

@@ -98,7 +98,7 @@ impl Twig {
         for copy in counted.iter().flat_map(|leaves| &leaves.instances) {
             borne[copy.node as usize] += 1;
         }
-        // How far each node's twig reaches, at least.
+        // Least reach of each node's twig.
         let mut reach = vec![0.0f32; count];
         for (node, parent) in skeleton.edges().rev() {
             reach[parent] = reach[parent].max(reach[node] + positions[node].distance(positions[parent]));

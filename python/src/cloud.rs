@@ -82,7 +82,7 @@ impl Cloud {
     }
 }
 
-/// What a simulated scanner has measured, and what each point lies on.
+/// The measurement of a simulated scanner, with the surface that each point lies on.
 #[pyclass(frozen, module = "treesynth")]
 pub(crate) struct Scan {
     cloud: Py<Cloud>,

@@ -9,7 +9,7 @@ pyo3::create_exception!(
     treesynth,
     TreesynthError,
     PyValueError,
-    "What is asked for cannot be had; the text names the parameter, its value and its range."
+    "A request that cannot be met; the text names the parameter, its value and its range."
 );
 
 /// An exception: `OSError` for files that cannot be opened, read or written, `TreesynthError` for all others.

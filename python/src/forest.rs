@@ -74,7 +74,8 @@ impl Forest {
         self.forest.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// What `ask` finds; the forest may be growing on another thread, so Python goes on while this waits.
+    /// The answer to `ask`; the forest may be growing on another thread, so Python goes on while
+    /// this waits.
     fn ask<T: Send>(&self, py: Python<'_>, ask: impl FnOnce(&dyn Growing) -> T + Send) -> T {
         py.detach(|| ask(self.lock().as_ref()))
     }

@@ -199,7 +199,7 @@ fn treesynth_json(tree: &treesynth::Skeleton) -> PyResult<String> {
     String::from_utf8(text).map_err(failure)
 }
 
-/// What serializes, as Python's dictionaries, lists and numbers.
+/// A value that serializes, as Python's dictionaries, lists and numbers.
 pub(crate) fn dict<'py>(py: Python<'py>, value: &impl serde::Serialize) -> PyResult<Bound<'py, PyAny>> {
     let text = serde_json::to_string(value).map_err(failure)?;
     py.import("json")?.call_method1("loads", (text,))

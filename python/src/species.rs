@@ -14,7 +14,7 @@ pub(crate) struct Species {
     species: species::Species,
 }
 
-/// What may be asked of a tree; what is not given follows from the species' allometry.
+/// A request for a tree; values that are not given follow from the species' allometry.
 #[derive(Clone, Copy, Default)]
 pub(crate) struct Wish {
     pub(crate) height: Option<f32>,

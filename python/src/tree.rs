@@ -34,7 +34,7 @@ pub(crate) struct Tree {
     dress: Dress,
 }
 
-/// What it wears.
+/// Bark and material of a tree.
 enum Dress {
     Specimen(Box<Specimen>),
     Plain(Material, Bark),
@@ -353,7 +353,7 @@ fn filled(shape: &dyn Shape, nodes: usize) -> PyResult<VariationalSynth> {
     Ok(VariationalSynth::new(surface.joined(&inside)).with_levels([axis.with_metamers(7), axis, axis, axis]))
 }
 
-/// What `grow`, `fill`, `Forest` and `Growth` know by name.
+/// Names that `grow`, `fill`, `Forest` and `Growth` know.
 #[pyfunction]
 #[pyo3(signature = (system = None))]
 pub(crate) fn names<'py>(py: Python<'py>, system: Option<&str>) -> PyResult<Bound<'py, PyAny>> {

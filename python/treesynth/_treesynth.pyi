@@ -1,6 +1,6 @@
-"""What the extension module has. Arrays are views without a copy where "view" is said; views are read-only.
+"""Contents of the extension module. Arrays are views without a copy where "view" is said; views are read-only.
 
-``TreesynthError`` is raised for what cannot be had, with a text that names the parameter, its value and its range; ``OSError`` for
+``TreesynthError`` is raised for requests that cannot be met, with a text that names the parameter, its value and its range; ``OSError`` for
 files. ``progress`` is called about twenty times a second as ``progress(what, fraction)``, from the thread that called; what it
 raises stops the work, as Ctrl-C does. Other threads of Python go on while the library works.
 """
@@ -20,7 +20,7 @@ System = Literal["species", "guided", "self-organizing", "variational", "growth"
 __version__: str
 
 class TreesynthError(ValueError):
-    """What is asked for cannot be had; the text names the parameter, its value and its range."""
+    """A request that cannot be met; the text names the parameter, its value and its range."""
 
 class _Name(TypedDict, total=False):
     name: str
@@ -72,19 +72,19 @@ class Skeleton:
         """Measures of the tree, as `treesynth::Metrics` of the Rust library documents them. Lengths in metres."""
 
     def diameter_at(self, height: float) -> float | None:
-        """Diameter of the stem so many metres above the base; none above its tip. 1.3 gives DBH."""
+        """Diameter of the stem at a height above the base, metres; none above its tip. 1.3 gives DBH."""
 
     def relaxed(self, share: float = 0.5, passes: int = 3) -> Skeleton:
         """With nodes drawn `share` (0 to 1) of the way between their neighbours, `passes` times."""
 
     def mesh(self, sides: int = 8, *, progress: Progress | None = None) -> Mesh:
-        """Tubes along the branches; `sides` (3 to 64) a ring of the thickest."""
+        """Tubes along the branches; `sides` (3 to 64) per ring of the thickest."""
 
     def closed_mesh(self, detail: float = 1.0, *, progress: Progress | None = None) -> Mesh:
         """One closed surface without self-intersections, for printers; `detail` (0.867 to 64) is voxels per radius."""
 
     def save(self, path: Path, *, up: Up = "z", unit: float = 1.0, offset: Point | None = None) -> None:
-        """To .json or .svg (metres, +Y up), .swc, .csv or .qsm (a QSM table) or .mtg. `unit` is metres in a unit of the file,
+        """To .json or .svg (metres, +Y up), .swc, .csv or .qsm (a QSM table) or .mtg. `unit` is metres per unit of the file,
         `offset` is added to its coordinates."""
 
     def __len__(self) -> int: ...
@@ -121,7 +121,7 @@ class Leaves:
     def mesh(self) -> Mesh: ...
     @property
     def matrices(self) -> NDArray[np.float32]:
-        """Where each copy of the mesh stands: ``(n, 4, 4)``, for columns of points."""
+        """Transform of each copy of the mesh, ``(n, 4, 4)``, for columns of points."""
 
     @property
     def nodes(self) -> NDArray[np.uint32]:
@@ -150,7 +150,7 @@ class Tree:
     def leaves(self) -> list[Leaves]: ...
     @property
     def numbers(self) -> dict[str, Any]:
-        """What it was grown by: of species height, dbh, age, crown_width, crown_base, leaf_area, ..."""
+        """Numbers of the tree: of species height, dbh, age, crown_width, crown_base, leaf_area, ..."""
 
     def asset(
         self,
@@ -161,7 +161,7 @@ class Tree:
         wind: bool = False,
         progress: Progress | None = None,
     ) -> Asset:
-        """A model of at most so many triangles, or the dense one for None. `textures` is the side of the images, a power of two
+        """A model of at most `triangles`, or the dense one for None. `textures` is the side of the images, a power of two
         from 128 to 8192, or None for plain colours. With `levels` of 2 to 8, each has 0.3 of the triangles of the one before, and
         an impostor follows. With `wind` vertices carry what a shader needs to move them."""
 
@@ -217,7 +217,7 @@ class Species:
 
     @staticmethod
     def named(name: str) -> Species:
-        """By its English, Latin or another name."""
+        """The species of an English, Latin or other name."""
 
     @staticmethod
     def parse(text: str) -> Species:
@@ -251,13 +251,13 @@ class Recipe:
 
     @staticmethod
     def preset(name: str, nodes: int = 150_000) -> Recipe:
-        """That of a preset, on a graph of about so many nodes."""
+        """The pipeline of a preset, on a graph of about `nodes` nodes."""
 
     @staticmethod
     def from_json(text: str) -> Recipe: ...
     @staticmethod
     def from_data(data: dict[str, Any]) -> Recipe:
-        """From what `data` gives, changed or not."""
+        """A pipeline from the output of `data`, changed or not."""
 
     def to_json(self) -> str: ...
     @property
@@ -271,7 +271,7 @@ class Forest:
     pickled, and goes on bit for bit."""
 
     def __init__(self, name: str, *, seed: int | None = None, most_metamers: int | None = None) -> None:
-        """The stand of that name as it is planted; growth stops at so many metamers."""
+        """The stand of that name as it is planted; growth stops at `most_metamers`."""
 
     @staticmethod
     def from_json(name: str, text: str) -> Forest:
@@ -281,7 +281,7 @@ class Forest:
     @property
     def name(self) -> str: ...
     def grow(self, seasons: int = 1, *, progress: Progress | None = None) -> None:
-        """So many seasons more. What has grown before an error or Ctrl-C is kept."""
+        """Grows `seasons` more. All that has grown before an error or Ctrl-C is kept."""
 
     @property
     def season(self) -> int:
@@ -309,7 +309,7 @@ class Growth:
         """The tree at an age in years; fractions are days."""
 
 class Cloud:
-    """Points, +Y up and metres, 32 bits each, beside what was taken off their coordinates. Compares by value."""
+    """Points, +Y up and metres, 32 bits each, beside the offset taken off their coordinates. Compares by value."""
 
     def __init__(
         self, points: ArrayLike, *, up: Up = "z", unit: float = 1.0, offset: Point | None = None
@@ -327,21 +327,21 @@ class Cloud:
 
     @property
     def offset(self) -> list[float]:
-        """What was taken off, in the axes and unit of the array or file."""
+        """The offset taken off the coordinates, in the axes and unit of the array or file."""
 
     def thinned(self, side: float) -> Cloud:
-        """One point in each cube of that side in metres."""
+        """One point in each cube with that side, metres."""
 
     def __len__(self) -> int: ...
 
 class Scan:
-    """What a simulated scanner has measured."""
+    """Points measured by a simulated scanner."""
 
     @property
     def cloud(self) -> Cloud: ...
     @property
     def is_wood(self) -> NDArray[np.bool_]:
-        """Whether each point lies on bark, ``(n,)``."""
+        """True for points on bark, ``(n,)``."""
 
     @property
     def is_ground(self) -> NDArray[np.bool_]: ...
@@ -358,14 +358,14 @@ class Reconstruction:
     def offset(self) -> list[float]: ...
     @property
     def is_measured(self) -> NDArray[np.bool_]:
-        """Whether a cylinder was found for each node, ``(n,)``: a view. Other radii follow from what the limb bears."""
+        """True for nodes with a measured cylinder, ``(n,)``: a view. Other radii follow from what the limb bears."""
 
     @property
     def ground(self) -> int:
         """Points set aside as ground."""
 
 def names(system: System | None = None) -> list[_Name]:
-    """What `grow` (species, guided), `fill` (variational), `Forest` (self-organizing) and `Growth` (growth) know by name."""
+    """Names that `grow` (species, guided), `fill` (variational), `Forest` (self-organizing) and `Growth` (growth) take."""
 
 def grow(
     name: str,
@@ -403,7 +403,7 @@ def fill(
 def read_trees(
     path: Path, *, up: Up = "z", unit: float = 1.0, offset: Point | None = None
 ) -> tuple[list[Skeleton], list[float]]:
-    """All trees of a .json, .swc, .csv or .qsm (QSM table) or .mtg file, and what was taken off its coordinates."""
+    """All trees of a .json, .swc, .csv or .qsm (QSM table) or .mtg file, and the offset taken off its coordinates."""
 
 def scan(
     tree: Tree,
@@ -418,7 +418,7 @@ def scan(
     leaves: bool = True,
     seed: int = 1,
 ) -> Scan:
-    """Scans a tree from `places` ``(n, 3)``, or from so many stations at a distance around it. Steps in radians, all else in metres."""
+    """Scans a tree from `places` ``(n, 3)``, or from `stations` at `distance` around it. Steps in radians, all else in metres."""
 
 def reconstruct(
     cloud: Cloud,

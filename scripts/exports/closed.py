@@ -13,7 +13,7 @@ import numpy as np
 import trimesh
 
 POINTS = 40_000
-# What polygons cut off, at two voxels a radius and more, and what blends of half a radius may add.
+# Range of the volume over the skeleton's: polygons at two voxels per radius and more cut corners, blends of half a radius add.
 LEAST, MOST = 0.94, 1.12
 
 
@@ -29,7 +29,7 @@ def cones(path):
 
 
 def inside(points, start, end, first, last):
-    """Which points lie in which cones: a row a point."""
+    """True where a point lies in a cone: one row per point."""
     way = end - start
     square = np.maximum((way * way).sum(axis=1), 1e-30)
     along = np.clip((points @ way.T - (start * way).sum(axis=1)) / square, 0, 1)

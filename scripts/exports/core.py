@@ -40,7 +40,7 @@ def turned(points, rotation):
 def whole(path):
     gltf, blob = read(path)
     found, triangles = [], 0
-    # What an importer that knows no levels shows, or the finest by its name.
+    # The nodes that an importer without levels shows, or the finest by its name.
     open_nodes = [(gltf["scenes"][0]["nodes"][0], [])]
     while open_nodes:
         index, above = open_nodes.pop()

@@ -94,10 +94,10 @@ impl AssetBuilder {
     /// The images that wood thinner than `radius` metres wears, with a tile of `tile` metres; default none, so that all wears the
     /// [same](Self::with_bark_textures). They are multiplied by the same material.
     ///
-    /// Thin is what is thinner than 40% of the trunk, too, whatever the radius. Bark changes at forks alone: where a lateral
-    /// thinner than that begins, or at the first fork of a branch after it has become thinner; all that it bears is thin. Towards that
-    /// place the mean colours of both fade to one within twice the radius, by vertex colours. It costs no triangles, and one more
-    /// part, `young bark`.
+    /// Wood thinner than 40% of the trunk is thin too, whatever the radius. Bark changes at forks alone:
+    /// where a lateral thinner than that begins, or at the first fork of a branch after it has become
+    /// thinner; all that it bears is thin. Towards that place the mean colours of both fade to one within
+    /// twice the radius, by vertex colours. It costs no triangles, and one more part, `young bark`.
     pub fn with_young_bark(mut self, textures: Textures, tile: f32, radius: f32) -> Self {
         self.young = Some(Young { textures: Arc::new(textures), tile, radius });
         self

@@ -40,7 +40,7 @@ pub(super) struct Kind {
     /// Middle of its leaves, from its base.
     middle: Vec3,
     area: f32,
-    /// One a quad.
+    /// One per quad.
     pub(super) pictures: Vec<Baked>,
 }
 

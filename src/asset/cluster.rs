@@ -41,9 +41,10 @@ impl Leaf {
     }
 }
 
-/// Puts `weights` at nodes into groups, each of at least `target` and one connected piece of the tree; what is left goes to
-/// a last group at the root. A metre of branch counts as so much of a weight, for what is far apart should not be one.
-/// For each group its lowest node, and for each weight its group. O(nodes + weights).
+/// Puts `weights` at nodes into groups, each of at least `target` and one connected piece of the
+/// tree; what is left goes to a last group at the root. A metre of branch adds `a_metre` to the
+/// weight, so that things far apart do not form one group. For each group its lowest node, and for
+/// each weight its group. O(nodes + weights).
 fn gather(skeleton: &Skeleton, weights: &[(u32, f32)], a_metre: f32, target: f32) -> (Vec<u32>, Vec<u32>) {
     let (nodes, positions) = (skeleton.len(), skeleton.positions());
     let mut pending = vec![0.0f32; nodes];

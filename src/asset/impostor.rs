@@ -87,12 +87,13 @@ impl Impostor {
         let holds = self.grid.is_power_of_two() && (2..=32).contains(&self.grid);
         ParameterError::unless(holds, "Impostor.grid", self.grid, "a power of two, 2 to 32 views")?;
         let cell = self.texture_size / self.grid;
-        let range = "at least 16 pixels a view: a larger texture_size or a smaller grid";
+        let range = "at least 16 pixels per view: a larger texture_size or a smaller grid";
         ParameterError::unless(cell >= 16, "Impostor.grid", self.grid, range)
     }
 
-    /// Crossed billboards, which every engine shows: a part `impostor` with four triangles a picture, two for each side.
-    /// Their alpha is scaled so that the covered area, on the average of several views, is that of the model.
+    /// Crossed billboards, which every engine shows: a part `impostor` with four triangles per picture, two
+    /// for each side. Their alpha is scaled so that the covered area, on the average of several views, is
+    /// that of the model.
     ///
     /// # Errors
     /// An option out of range; parts that cannot be drawn; nothing to be seen.

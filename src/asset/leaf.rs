@@ -87,7 +87,7 @@ impl LeafImages {
         Ok(Self { meshes: meshes.collect(), front })
     }
 
-    /// The leaf's mesh once a variant, its texture coordinates in the variant's cell.
+    /// The leaf's mesh once per variant, its texture coordinates in the variant's cell.
     pub fn meshes(&self) -> &[Mesh] {
         &self.meshes
     }

@@ -49,7 +49,7 @@ impl From<FoliageError> for AssetError {
     }
 }
 
-/// Why there is no asset.
+/// Error of building an asset.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum AssetError {
@@ -103,7 +103,7 @@ impl Piece {
         if let Some(textures) = &self.textures {
             part = part.with_textures(textures);
         }
-        // What stands once at the root is no instance.
+        // A part that stands once at the root needs no instances.
         let is_once = self.instances.len() == 1 && self.instances[0] == Instance::IDENTITY;
         if is_once || self.bent.is_some() { part } else { part.with_instances(&self.instances) }
     }
@@ -115,16 +115,16 @@ pub struct Asset {
     bark: Piece,
     /// Bark of thin wood, if that is another.
     young: Option<Piece>,
-    /// What lies on both.
+    /// Coats, such as snow, on bark and young bark.
     coats: Vec<Piece>,
     leaves: Vec<Piece>,
     cards: Vec<Piece>,
     error: f32,
-    /// By what the normals of leaves and cards are bent, if they are.
+    /// Crown that bends the normals of leaves and cards, if they are bent.
     crown: Option<light::Crown>,
 }
 
-/// Lines of a screen, for which a level's size is told in parts of its height.
+/// Height, in lines, of the screen for which sizes of levels are given.
 const SCREEN_LINES: f32 = 1080.0;
 /// Each level is shown down to this part of the size of the one before at the most.
 const SMALLER: f32 = 0.7;
@@ -151,10 +151,12 @@ impl Asset {
         }
     }
 
-    /// What is written and drawn: `bark`; `young bark`, if [thin wood](AssetBuilder::with_young_bark) has its own; what it is
-    /// [coated](Asset::coated) with; `leaves`, a part for each variant of their images; and `cards`, a part for each kind
-    /// of twig, of which all wear the same images. With [bent normals](AssetBuilder::with_bent_normals) all copies of a part are one
-    /// mesh, without instances. Empty ones are left out. An impostor has one part, `impostor`.
+    /// The parts that are written and drawn: `bark`; `young bark`, if
+    /// [thin wood](AssetBuilder::with_young_bark) has its own; the [coats](Asset::coated); `leaves`, one
+    /// part for each variant of their images; and `cards`, one part for each kind of twig, which
+    /// all share the same images. With [bent normals](AssetBuilder::with_bent_normals) all copies
+    /// of a part are one mesh, without instances. Empty parts are left out. An impostor has one
+    /// part, `impostor`.
     pub fn parts(&self) -> Vec<Part<'_>> {
         let pieces = std::iter::once(&self.bark)
             .chain(&self.young)
@@ -209,16 +211,17 @@ impl Asset {
         self.error
     }
 
-    /// How high the picture of a tree of this height is, in pixels, when the asset's error is one pixel: it is made for this
-    /// size and smaller ones. Infinite for a dense model.
+    /// Height in pixels of the picture of a tree of this height when the asset's error is one
+    /// pixel: the asset is made for this size and smaller ones. Infinite for a dense model.
     pub fn pixels(&self, height: f32) -> f32 {
         if self.error > 0.0 { height / self.error } else { f32::INFINITY }
     }
 
-    /// Down to which part of the screen's height, on a screen of 1080 lines, each of these levels of a tree of this height in
-    /// metres is shown: for [`GlbOptions::with_coverages`](crate::export::GlbOptions::with_coverages). The finest level comes
-    /// first. Each level ends at 0.7 of the size at which the one before does, or below; the last ends at 0. Empty if there are
-    /// fewer than two.
+    /// The share of the screen's height, on a screen of 1080 lines, down to which each of these
+    /// levels of a tree of this height in metres is shown: for
+    /// [`GlbOptions::with_coverages`](crate::export::GlbOptions::with_coverages). The finest level
+    /// comes first. Each level ends at 0.7 of the size at which the one before does, or below; the
+    /// last ends at 0. Empty if there are fewer than two.
     pub fn screen_coverages(levels: &[Self], height: f32) -> Vec<f32> {
         let Some((_, coarser)) = levels.split_first().filter(|(_, coarser)| !coarser.is_empty()) else {
             return Vec::new();

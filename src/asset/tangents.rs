@@ -5,7 +5,7 @@ use crate::surface::Mesh;
 use crate::texture::Textures;
 use glam::Vec3;
 
-/// The mesh with a tangent a vertex, if images with normals are laid on it and it has none.
+/// The mesh with one tangent per vertex, if images with normals are laid on it and it has none.
 pub(super) fn with_tangents(mut mesh: Mesh, textures: Option<&Textures>) -> Mesh {
     let needs = textures.is_some_and(|textures| textures.normal().is_some());
     if !needs || !mesh.tangents.is_empty() || mesh.uvs.is_empty() {

@@ -39,8 +39,8 @@ impl Wood {
     }
 }
 
-/// The longest of these twigs, as many as have the area of all when none is thinner than `least`; in the order of their nodes,
-/// and none without what bears it. O(n log n).
+/// The longest of these twigs, as many as have the area of all once none is thinner than `least`;
+/// in the order of their nodes, and none without its parent. O(n log n).
 pub(super) fn fewer(wood: &[Wood], least: f32) -> Vec<Wood> {
     let parent = |own: &Wood| wood.binary_search_by_key(&own.parent, |other| other.node).ok();
     // The longest way to a tip, own internode included, and the child that it goes through.
@@ -53,7 +53,7 @@ pub(super) fn fewer(wood: &[Wood], least: f32) -> Vec<Wood> {
             (beyond[parent], heir[parent]) = (longest[i], i);
         }
     }
-    // What goes on a twig is as long as the twig.
+    // The internodes along a twig are ranked by the length of the whole twig.
     for (i, own) in wood.iter().enumerate() {
         if let Some(parent) = parent(own).filter(|&parent| heir[parent] == i) {
             longest[i] = longest[parent];

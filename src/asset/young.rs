@@ -21,7 +21,7 @@ const FADES: (f32, f32) = (2.0, 0.4);
 /// Means that differ by less are the same.
 const SAME: f32 = 0.004;
 
-/// The images of thin wood, and what is thin.
+/// The images of thin wood, and the radius below which wood is thin.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Young {
     pub(super) textures: Arc<Textures>,
@@ -38,8 +38,8 @@ impl Young {
         self.radius.min(THIN * thickest)
     }
 
-    /// Takes what is thin out of a piece of bark whose vertices have wind, which names their nodes. The triangles of both are
-    /// those that there were.
+    /// Takes thin wood out of a piece of bark whose vertices have wind, which names their nodes. The
+    /// triangles of both are those that there were.
     pub(super) fn split(&self, old: &mut Piece, skeleton: &Skeleton, has_sections: bool) -> Piece {
         let change = self.radius_of(skeleton);
         let thin = Thin::of(skeleton, change);

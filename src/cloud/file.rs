@@ -37,7 +37,7 @@ impl From<Fault> for CloudError {
     }
 }
 
-/// What stands between numbers of a text.
+/// `true` for a byte that separates numbers of a text.
 fn is_between(byte: u8) -> bool {
     byte.is_ascii_whitespace() || matches!(byte, 0 | 0x0B)
 }
@@ -56,7 +56,8 @@ fn fields(line: &[u8]) -> Vec<&[u8]> {
 
 impl Cloud {
     /// Reads the positions `x`, `y`, `z` of the element `vertex` of a PLY file: text or binary of either byte order, of any kind
-    /// of number; everything else is passed over. No count in the header is believed. 24 bytes a point beside the cloud.
+    /// of number; everything else is passed over. No count in the header is believed. 24 bytes per point
+    /// beside the cloud.
     ///
     /// # Errors
     /// A frame out of range; what cannot be read, by the line or byte; lines of a text with more numbers than its header
@@ -109,21 +110,22 @@ impl Cloud {
         Self::from_places(frame, &places)
     }
 
-    /// Reads text of a point a line, as `.xyz`, `.csv`, `.txt`, `.asc` and `.pts` files have it: numbers with blanks, tabs, commas
-    /// or semicolons between them. Numbers have a decimal point: what has a comma is an error where it can be told.
+    /// Reads text with one point per line, as `.xyz`, `.csv`, `.txt`, `.asc` and `.pts` files have
+    /// it: numbers with blanks, tabs, commas or semicolons between them. Numbers have a decimal
+    /// point: a decimal comma is an error where it can be told from a separator.
     ///
     /// The first three are taken; where a line with the names `x`, `y` and `z` (in capitals or not, with `//` or `#` before or not)
     /// stands before the first point, those columns. Lines that begin with `#` or `//`, and a first line of one number alone (a
     /// count), are passed over.
     ///
     /// # Errors
-    /// A frame out of range; whatever the reader returns; a line with fewer than three numbers, or with what is none; points that
-    /// are not finite or too far off.
+    /// A frame out of range; whatever the reader returns; a line with fewer than three numbers, or with a
+    /// word that is no number; points that are not finite or too far off.
     pub fn read_xyz(frame: &Frame, reader: impl Read) -> Result<Self, CloudError> {
         frame.check()?;
         let mut lines = Lines::new(BufReader::with_capacity(1 << 16, reader));
         let mut columns = [0, 1, 2];
-        // How many names there are, and whether they stand in a comment.
+        // Number of column names, and whether they stand in a comment.
         let mut names: Option<(usize, bool)> = None;
         let (mut passed, mut has_count) = (0, false);
         let mut places = Vec::new();
@@ -248,7 +250,7 @@ impl Cloud {
         Ok(())
     }
 
-    /// Writes text of a point a line, `x y z`. O(n).
+    /// Writes text with one point per line, `x y z`. O(n).
     ///
     /// # Errors
     /// A frame out of range; whatever the writer returns.

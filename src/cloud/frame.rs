@@ -1,4 +1,4 @@
-//! How the numbers of a survey's file lie in the crate's world.
+//! Coordinate frame of a survey's file.
 
 use std::io::{self, Write};
 
@@ -12,12 +12,14 @@ const NEAR: f64 = 1000.0;
 /// Extent of coordinates that are farther off, metres: an `f32` is then within 0.5 mm.
 const WIDEST: f64 = 1e4;
 
-/// How coordinates stand in a file of measurements: which axis points up, what a unit is, and what is taken off them.
+/// Coordinate frame of a file of measurements: the axis that points up, the unit, and the offset
+/// that is taken off coordinates.
 ///
 /// A file's numbers are read as `f64`; the offset is taken off in the file's own axes and unit; what is left is turned upright and
 /// multiplied by the unit, and only then made `f32`. Writing goes the other way. Numbers in a survey's coordinates (UTM: hundreds of
-/// kilometres east, thousands north) so lose nothing that a scanner measures. Without an offset and in metres, every `f32` comes
-/// back as the same bits; with one, to within the last bit of an `f64` of the file's size, 1e-9 m for UTM.
+/// kilometres east, thousands north) thus lose nothing that a scanner measures. Without an offset and in
+/// metres, every `f32` comes back as the same bits; with one, to within the last bit of an `f64` of the
+/// file's size, 1e-9 m for UTM.
 ///
 /// ```
 /// use treesynth::cloud::{Cloud, Frame};
@@ -60,9 +62,10 @@ impl Frame {
         self
     }
 
-    /// What is taken off every position that is read and added to every one that is written, in the file's axes and unit, at most
-    /// 1e12. By default nothing is added; and nothing is taken off if all coordinates are within 1 km of 0, else the lowest of each
-    /// axis, rounded down to a whole number. Coordinates farther off must then lie within 10 km of each other.
+    /// Offset that is taken off every position that is read and added to every one that is written,
+    /// in the file's axes and unit, at most 1e12. By default nothing is added; and nothing is taken
+    /// off if all coordinates are within 1 km of 0, else the lowest of each axis, rounded down to a
+    /// whole number. Coordinates farther off must then lie within 10 km of each other.
     pub fn with_offset(mut self, offset: DVec3) -> Self {
         self.offset = Some(offset);
         self
@@ -125,7 +128,7 @@ impl Frame {
         self.number(metres, 0.0)
     }
 
-    /// Whether numbers are written as they are.
+    /// `true` if numbers are written as they are.
     pub(crate) fn is_short(&self) -> bool {
         self.is_metric() && self.offset.unwrap_or_default() == DVec3::ZERO
     }

@@ -16,7 +16,7 @@ const CHUNK: u64 = 1 << 16;
 /// Steps in a unit of a LAS file's coordinates: a tenth of a millimetre for metres.
 const STEP: f64 = 1e-4;
 
-/// What went wrong in a LAS file: an error of the disk as such.
+/// The crate's error for one of a LAS file: errors of the disk stay as they are.
 fn las_fault(place: impl std::fmt::Display, error: las::Error) -> CloudError {
     match error {
         las::Error::Io(error) if error.kind() != std::io::ErrorKind::UnexpectedEof => CloudError::Io(error),
@@ -34,7 +34,7 @@ fn number<const BYTES: usize>(reader: &mut impl Read) -> std::io::Result<u64> {
 fn check_lengths(reader: &mut (impl Read + Seek)) -> Result<(), CloudError> {
     let length = reader.seek(SeekFrom::End(0))?;
     reader.rewind()?;
-    // What is wrong with a header is told by who reads it all.
+    // Errors in the header are reported by the reader of the whole file.
     let Ok(header) = las::raw::Header::read_from(&mut *reader) else { return Ok(()) };
     let within = |place: &str, number: u64| {
         let error = || format!("{number} is more than the file of {length} bytes can hold");
@@ -45,7 +45,7 @@ fn check_lengths(reader: &mut (impl Read + Seek)) -> Result<(), CloudError> {
         within("extended records", at)?;
         for _ in 0..records.number_of_evlrs {
             reader.seek(SeekFrom::Start(at.saturating_add(20)))?;
-            // Where the file ends its reader says so.
+            // At the end of the file, the reader of the whole file reports the error.
             let Ok(bytes) = number::<8>(reader) else { break };
             at = at.saturating_add(60).saturating_add(bytes);
             within("extended record", at)?;
@@ -90,9 +90,9 @@ fn las_places(reader: impl Read + Seek + Send + Sync + 'static) -> Result<Vec<DV
 }
 
 impl Cloud {
-    /// Reads the positions of all points of a LAS or LAZ file, versions 1.0 to 1.4; everything else is passed over. 24 bytes a point
-    /// beside the cloud. Where compressed points are damaged, the decoder's panic is caught: its message goes to standard error,
-    /// and a program built with `panic = "abort"` ends.
+    /// Reads the positions of all points of a LAS or LAZ file, versions 1.0 to 1.4; everything else is passed
+    /// over. 24 bytes per point beside the cloud. Where compressed points are damaged, the decoder's panic is
+    /// caught: its message goes to standard error, and a program built with `panic = "abort"` ends.
     ///
     /// # Errors
     /// A frame out of range; a header or a point that cannot be read, by its number; a file cut short; points that are not finite or
@@ -150,7 +150,7 @@ impl Cloud {
     }
 
     /// Reads all scans of an E57 file, each moved to where its pose puts it. Points that are marked as invalid are left out, and
-    /// everything but positions is passed over. 24 bytes a point beside the cloud.
+    /// everything but positions is passed over. 24 bytes per point beside the cloud.
     ///
     /// # Errors
     /// A frame out of range; what cannot be read, by the scan's number; points that are not finite or too far off.

@@ -17,9 +17,9 @@ use glam::{DVec3, Vec3};
 use crate::ParameterError;
 use crate::shape::{Bounds, LARGEST};
 
-/// Points in metres and +Y up, and what was taken off their coordinates in the file.
+/// Points in metres and +Y up, and the offset that was taken off their coordinates in the file.
 ///
-/// Memory: 12 bytes a point.
+/// Memory: 12 bytes per point.
 ///
 /// ```
 /// use treesynth::{cloud::Cloud, glam::Vec3};
@@ -34,7 +34,7 @@ pub struct Cloud {
     offset: DVec3,
 }
 
-/// Why there is no cloud.
+/// Error of making, reading or writing a cloud.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum CloudError {
@@ -44,7 +44,7 @@ pub enum CloudError {
     /// An option out of its range.
     #[error(transparent)]
     Parameter(#[from] ParameterError),
-    /// A point that is nowhere, or too far off.
+    /// A point that is not finite, or too far off.
     #[error("point {point} is at {position}, but must be finite and at most 1e6 m from 0 on every axis")]
     Position {
         /// The point, from 0.
@@ -59,7 +59,7 @@ pub enum CloudError {
         format: &'static str,
         /// The line or byte.
         place: String,
-        /// What stands there, and what must.
+        /// Description of what was found and what is required.
         problem: String,
     },
 }
@@ -109,7 +109,8 @@ impl Cloud {
         self.points
     }
 
-    /// What was taken off the file's coordinates, in its axes and unit; [`Frame::with_offset`] puts it back.
+    /// Offset that was taken off the file's coordinates, in its axes and unit;
+    /// [`Frame::with_offset`] adds it again.
     pub fn offset(&self) -> DVec3 {
         self.offset
     }
@@ -119,7 +120,7 @@ impl Cloud {
         self.points.len()
     }
 
-    /// Whether there is none.
+    /// `true` if there are no points.
     pub fn is_empty(&self) -> bool {
         self.points.is_empty()
     }
@@ -147,7 +148,7 @@ impl Cloud {
     }
 }
 
-/// The cube of a point, as one number: 42 bits an axis, enough for 1e6 m in steps of 1e-6 m.
+/// The cube of a point, as one number: 42 bits per axis, enough for 1e6 m in steps of 1e-6 m.
 pub(crate) fn cube(point: Vec3, side: f32) -> u128 {
     let [x, y, z] =
         (point.as_dvec3() / f64::from(side)).floor().to_array().map(|at| (at as i64 + (1 << 41)) as u128);

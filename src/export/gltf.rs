@@ -60,7 +60,7 @@ pub fn write_glb(mesh: &Mesh, options: &GlbOptions, writer: impl Write) -> Resul
 /// Writes bark, leaves and whatever else a tree has into one file. A material is written once; a mesh once with
 /// [`Instancing::Extension`] and [`Instancing::Nodes`], and by default with the vertices of all its copies; parts without triangles or without instances are left out.
 ///
-/// O(vertices + triangles + instances) time; O(parts) memory, and a node's text an instance with
+/// O(vertices + triangles + instances) time; O(parts) memory, and the text of one node per instance with
 /// [`Instancing::Nodes`].
 ///
 /// ```
@@ -108,8 +108,8 @@ pub fn write_glb_levels<'a>(
     write_document(&document, writer)
 }
 
-/// Writes trees in their places: a node each, with a node a part below it. Meshes and images that are the same, wherever they
-/// lie in memory, are written once.
+/// Writes trees in their places: one node each, with one node per part below it. Meshes and images that are
+/// the same, wherever they lie in memory, are written once.
 ///
 /// O(vertices + triangles + instances of all that differs, and again of what is the same) time.
 ///

@@ -19,7 +19,7 @@ use super::ExportError;
 use crate::Skeleton;
 use std::io::{self, BufRead, BufReader, BufWriter, Read, Write};
 
-/// Why some bytes are not a skeleton.
+/// Error of reading a skeleton.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum ReadError {

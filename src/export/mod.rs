@@ -1,4 +1,4 @@
-//! Meshes and skeletons as bytes, through [`std::io::Write`]: one format a module.
+//! Meshes and skeletons as bytes, through [`std::io::Write`]: one format per module.
 //!
 //! | format | module | what goes in | feature |
 //! |---|---|---|---|
@@ -54,7 +54,7 @@ use crate::surface::{MeshError, Part, Scene};
 use std::collections::BTreeMap;
 use std::collections::btree_map::Entry;
 
-/// Why something could not be written.
+/// Error of writing a file.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum ExportError {

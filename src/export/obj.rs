@@ -1,6 +1,6 @@
 //! Wavefront OBJ (`.obj`) and its materials (`.mtl`).
 //!
-//! Text: `v`, `vt`, `vn` and `f` lines, an object and a material a part.
+//! Text: `v`, `vt`, `vn` and `f` lines, one object and one material per part.
 
 use super::images::{Map, Uses, is_masked};
 use super::{Axes, ExportError, check_parts};
@@ -145,7 +145,7 @@ pub fn mtl_images<'a>(parts: &[Part<'a>]) -> Vec<super::ImageFile<'a>> {
     Uses::of(parts, MAPS).files()
 }
 
-/// A word a part, no two alike.
+/// One word per part, no two alike.
 fn names(parts: &[Part<'_>]) -> Vec<String> {
     let mut names: Vec<String> = Vec::new();
     for part in parts {

@@ -34,8 +34,8 @@ impl Default for SvgOptions {
 }
 
 impl SvgOptions {
-    /// The longer side of the drawing, units of SVG (96 an inch), 10 to 100,000; default 1000. Coordinates have two
-    /// decimals.
+    /// The longer side of the drawing, units of SVG (96 per inch), 10 to 100,000; default 1000. Coordinates
+    /// have two decimals.
     pub fn with_size(mut self, units: f32) -> Self {
         self.size = units;
         self
@@ -53,7 +53,7 @@ impl SvgOptions {
         self
     }
 
-    /// Whose colour the lines have; default [`Material::bark`].
+    /// Material whose colour the lines have; default [`Material::bark`].
     pub fn with_material(mut self, material: Material) -> Self {
         self.material = material;
         self
@@ -80,8 +80,8 @@ impl SvgOptions {
 /// Draws every internode of a skeleton as a line of its true width with round ends, in a parallel projection; what is
 /// farther away is drawn first.
 ///
-/// The document is as large as the drawing, with no border; one path an internode, in one group. O(n log n) time, O(n)
-/// memory.
+/// The document is as large as the drawing, with no border; one path per internode, in one group. O(n log n)
+/// time, O(n) memory.
 ///
 /// ```
 /// use treesynth::{Skeleton, export, glam::Vec3};

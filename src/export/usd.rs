@@ -85,7 +85,7 @@ impl<'a> UsdStage<'a> {
         Self::new(Content::Scene(scene.clone()))
     }
 
-    /// The name of the root, default `tree`; what is no letter or digit becomes `_`.
+    /// The name of the root, default `tree`; characters other than letters and digits become `_`.
     pub fn with_name(mut self, name: impl Into<String>) -> Self {
         self.name = name.into();
         self

@@ -1,4 +1,4 @@
-//! WHAT pulls on a tree.
+//! Vector fields that pull on a tree.
 //!
 //! A [`VectorField`] gives a direction at every point of space. Guided synthesis can take its guiding vectors
 //! from one (section 3.2.1 of the paper): edges along the field are cheap, edges against it dear, so branches

@@ -7,8 +7,9 @@ use crate::surface::Instance;
 use glam::{Mat3, Quat, Vec3};
 
 impl Leaves {
-    /// The leaves of a tree of [`growth`](crate::growth), all of this shape, a value for each of their colours, in the
-    /// order in which colours first occur; none for a bare tree. The leaf's mesh is taken to be 1 long.
+    /// The leaves of a tree of [`growth`](crate::growth), all of this shape, one value for each of their
+    /// colours, in the order in which colours first occur; none for a bare tree. The leaf's mesh is taken to
+    /// be 1 long.
     ///
     /// ```
     /// use treesynth::foliage::{Leaf, Leaves};

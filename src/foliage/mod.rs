@@ -46,7 +46,7 @@ use std::f32::consts::PI;
 /// Most leaves of one tree, 16.8 million: 800 MB of instances.
 const MOST_LEAVES: f64 = (1 << 24) as f64;
 
-/// Why there are no leaves.
+/// Error of placing leaves.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum FoliageError {

@@ -1,4 +1,4 @@
-//! Along every branch from its tip backwards, a leaf at a time.
+//! Placement of leaves along every branch, from its tip backwards.
 
 use super::{Foliage, FoliageError, MOST_LEAVES};
 use crate::Skeleton;

@@ -32,7 +32,7 @@ pub(super) struct Names<'a> {
     pub(super) format: &'static str,
     pub(super) id: &'a str,
     pub(super) parent: &'a str,
-    /// What a row without a parent has there.
+    /// The parent's entry in a row without a parent.
     pub(super) none: &'a str,
 }
 

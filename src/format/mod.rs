@@ -2,11 +2,12 @@
 //!
 //! | format | module | who has it |
 //! |---|---|---|
-//! | QSM as CSV: a row a cylinder | [`read_qsm`], [`write_qsm`] | `rTwig`, `TreeQSM`, `SimpleForest`, `aRchi` |
-//! | SWC: a row a node | [`read_swc`], [`write_swc`] | neuron and root tracers, `AdTree`'s converters |
+//! | QSM as CSV: one row per cylinder | [`read_qsm`], [`write_qsm`] | `rTwig`, `TreeQSM`, `SimpleForest`, `aRchi` |
+//! | SWC: one row per node | [`read_swc`], [`write_swc`] | neuron and root tracers, `AdTree`'s converters |
 //! | MTG: a graph with features | [`read_mtg`], [`write_mtg`] | `OpenAlea`, `AMAPstudio` |
 //!
-//! What each keeps of a [`Skeleton`], written and read with one [`Frame`](crate::cloud::Frame):
+//! Parts of a [`Skeleton`] that each format keeps, written and read with one
+//! [`Frame`](crate::cloud::Frame):
 //!
 //! | | QSM | SWC | MTG |
 //! |---|---|---|---|
@@ -15,9 +16,9 @@
 //! | [orders](Skeleton::orders) | yes | worked out anew | yes |
 //! | [stages](Skeleton::stages), [hops](Skeleton::hops) | no | no | no |
 //!
-//! Rows may come in any order; a parent is put before its children, and rows that are so already keep their order. No reader
-//! panics, hangs or believes a count: what is wrong comes back as an error that names the line, the column, what stands there and
-//! what must.
+//! Rows may come in any order; a parent is put before its children, and rows that are so already
+//! keep their order. No reader panics, hangs or believes a count: an error names the line, the
+//! column, what was found there and what is required.
 
 mod assemble;
 mod mtg;
@@ -43,13 +44,15 @@ use crate::{ParameterError, Skeleton, SkeletonError};
 pub struct Trees {
     /// In the order in which their first rows stand in the file.
     pub trees: Vec<Skeleton>,
-    /// What was taken off the file's coordinates, in its axes and unit; [`Frame::with_offset`](crate::cloud::Frame::with_offset) puts it back.
+    /// Offset that was taken off the file's coordinates, in its axes and unit;
+    /// [`Frame::with_offset`](crate::cloud::Frame::with_offset) adds it again.
     pub offset: DVec3,
     /// Nodes that are not in the file: where a cylinder of a QSM begins beside the middle of its parent.
     pub inserted: usize,
     /// The farthest that a cylinder of a QSM begins from where its parent's axis is, metres.
     pub widest_gap: f64,
-    /// Whether the file told branch orders, and they are those of a [`Skeleton`]; if not, they are worked out.
+    /// `true` if the file gave branch orders that are those of a [`Skeleton`]; if false, they are
+    /// computed.
     pub has_orders: bool,
 }
 
@@ -64,7 +67,7 @@ impl Trees {
     }
 }
 
-/// Why a file cannot be read or written.
+/// Error of reading or writing a skeleton in a file.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum FormatError {
@@ -83,7 +86,7 @@ pub enum FormatError {
         line: u64,
         /// The column's name, empty where it is the whole line.
         column: String,
-        /// What stands there, and what must.
+        /// Description of what was found and what is required.
         problem: String,
     },
     /// Something in the whole file.
@@ -91,7 +94,7 @@ pub enum FormatError {
     File {
         /// The format's name.
         format: &'static str,
-        /// What is wrong, and what would do.
+        /// Description of what is wrong and what is required.
         problem: String,
     },
     /// More than one tree where one is wanted.
@@ -100,7 +103,7 @@ pub enum FormatError {
         /// Number present.
         trees: usize,
     },
-    /// What the file says is no skeleton.
+    /// The file's tree is not a valid skeleton.
     #[error(transparent)]
     Skeleton(#[from] SkeletonError),
 }

@@ -78,14 +78,14 @@ pub fn read_mtg(frame: &Frame, reader: impl Read) -> Result<Trees, FormatError> 
     vertices.trees(frame)
 }
 
-/// What a row goes on from.
+/// State from which a row continues.
 #[derive(Debug, Clone, Copy, Default)]
 struct Cursor {
     /// The latest node.
     node: Option<usize>,
     /// A coarser vertex began a lateral, whose first node is to come.
     is_lateral: bool,
-    /// Whether there is a vertex at all.
+    /// `true` once there is a vertex.
     begun: bool,
 }
 
@@ -281,7 +281,8 @@ impl Vertices {
 }
 
 /// Writes a skeleton as an MTG of two scales, a plant `P` and nodes `N`: `<` along an axis, `+` where a branch begins, the features
-/// `XX`, `YY`, `ZZ` and `diameter`. Nodes are numbered from 1 as in the skeleton. O(n) and a tab an order.
+/// `XX`, `YY`, `ZZ` and `diameter`. Nodes are numbered from 1 as in the skeleton. O(n), and one tab per
+/// order.
 ///
 /// # Errors
 /// A frame out of range; branch orders above 500, each of which is a column; whatever the writer returns.

@@ -1,4 +1,4 @@
-//! Quantitative structure models as tables: a row a cylinder.
+//! Quantitative structure models as tables: one row per cylinder.
 
 use std::collections::BTreeMap;
 use std::io::{BufReader, BufWriter, Read, Write};
@@ -29,7 +29,7 @@ struct Cylinder {
     order: Option<u16>,
 }
 
-/// Where the columns are.
+/// Numbers of the columns.
 struct Columns {
     id: Option<usize>,
     parent: usize,
@@ -79,7 +79,7 @@ impl Columns {
     }
 }
 
-/// Reads a quantitative structure model from a table with a header: a row a cylinder.
+/// Reads a quantitative structure model from a table with a header: one row per cylinder.
 ///
 /// | what | columns, in capitals or not, with `.`, `_` and blanks between or not |
 /// |---|---|
@@ -182,7 +182,8 @@ fn settle_firsts(rows: &mut [Row]) {
     }
 }
 
-/// Where a cylinder leaves its parent, as a share of the parent's length, and how far from its axis.
+/// Place at which a cylinder leaves its parent: share of the parent's length, and distance from its
+/// axis.
 fn leaves_at(child: &Cylinder, parent: &Cylinder) -> (f64, f64) {
     if child.start == parent.end {
         return (1.0, 0.0);
@@ -269,8 +270,8 @@ fn nodes_of(rows: &[Row], cylinders: &[Cylinder], sorted: &Sorted) -> (Vec<Node>
 /// Writes the least table that `rTwig`'s users agreed on: `ID, parentID, startX, startY, startZ, endX, endY, endZ, radius, length,
 /// branchOrder, branchID, segmentID, parentSegmentID`.
 ///
-/// A row an internode, in the order of the nodes: number, branch and segment from 1, the parents' 0 where there is none. A segment
-/// is the way from one fork to the next. O(n).
+/// One row per internode, in the order of the nodes: number, branch and segment from 1, the parents' 0 where
+/// there is none. A segment is the way from one fork to the next. O(n).
 ///
 /// # Errors
 /// A frame out of range; a skeleton of one node, which has no internode; whatever the writer returns.

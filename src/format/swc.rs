@@ -1,5 +1,6 @@
-//! SWC: a line a node, `id type x y z radius parent`, after Cannon et al. 1998, "An on-line archive of reconstructed hippocampal
-//! neurons", Journal of Neuroscience Methods 84; <https://neuroinformatics.nl/swcPlus/>.
+//! SWC: one line per node, `id type x y z radius parent`, after Cannon et al. 1998, "An on-line archive of
+//! reconstructed hippocampal neurons", Journal of Neuroscience Methods 84;
+//! <https://neuroinformatics.nl/swcPlus/>.
 
 use std::io::{BufReader, BufWriter, Read, Write};
 

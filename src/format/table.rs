@@ -35,7 +35,7 @@ pub(super) fn whole_of(word: &[u8]) -> Option<i64> {
     plain.or_else(|| number(word).filter(exact).map(|value| value as i64))
 }
 
-/// What stands between fields.
+/// Separator between fields.
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Delimiter {
     Byte(u8),

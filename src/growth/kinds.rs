@@ -208,27 +208,22 @@ impl Architecture {
             forking: 0.03,
             years: 40,
             longest_branch: 8.0,
-            least_scale: 0.3,
-            most_order: 4,
+            least_scale: 0.57,
+            most_order: 3,
             stoutness: 0.011,
-            twig_radius: 0.002,
+            scale_variation: 0.15,
+            twig_radius: 0.0014,
             variation: 0.14,
             tropism: 0.5,
             height: Curve::of([[0.0, 0.0], [0.1, 2.6], [0.4, 8.4], [1.0, 13.0]]),
-            young_silhouette: Curve::of([[0.0, 0.6], [0.5, 0.55], [1.0, 0.08]]),
-            mature_silhouette: Curve::of([[0.0, 0.75], [0.35, 0.85], [0.7, 0.7], [0.9, 0.4], [1.0, 0.1]]),
+            young_silhouette: Curve::of([[0.0, 0.6], [0.5, 0.5], [1.0, 0.06]]),
+            mature_silhouette: Curve::of([[0.0, 0.95], [0.35, 0.95], [0.7, 0.75], [0.9, 0.4], [1.0, 0.08]]),
             short_heading: Curve::degrees([[0.0, 0.0], [1.0, 22.0]]),
             long_heading: Curve::degrees([[0.0, 0.0], [0.3, -8.0], [1.0, 26.0]]),
             branch_scale: Curve::of([[0.0, 0.7], [0.2, 0.95], [1.0, 0.9]]),
-            lifespan: Curve::of([
-                [0.0, 1.0],
-                [0.4, 4.0],
-                [0.6, 9.0],
-                [0.75, 16.0],
-                [0.85, 60.0],
-                [1.0, 80.0],
-            ]),
-            metamers: Curve::of([[0.0, 1.0], [0.1, 3.0], [0.3, 5.0], [1.0, 9.0]]),
+            lifespan: long_lived(),
+            shoot_scale: spread_shoots(),
+            metamers: Curve::of([[0.0, 1.0], [0.1, 2.0], [0.3, 3.0], [1.0, 6.0]]),
             branching_angle: Curve::degrees([[0.0, 62.0], [0.3, 52.0], [0.7, 42.0]]),
             phenology: Phenology {
                 leaf_size: Curve::of([[0.0, 0.1], [1.0, 0.13]]),
@@ -247,27 +242,22 @@ impl Architecture {
             forking: 0.02,
             years: 40,
             longest_branch: 9.0,
-            least_scale: 0.4,
+            least_scale: 0.64,
             most_order: 3,
-            stoutness: 0.011,
-            twig_radius: 0.004,
+            stoutness: 0.01,
+            scale_variation: 0.15,
+            twig_radius: 0.0022,
             variation: 0.12,
             tropism: 0.7,
             height: Curve::of([[0.0, 0.0], [0.1, 3.0], [0.4, 10.5], [1.0, 17.0]]),
             young_silhouette: Curve::of([[0.0, 0.4], [0.6, 0.36], [1.0, 0.08]]),
-            mature_silhouette: Curve::of([[0.0, 0.6], [0.4, 0.66], [0.75, 0.52], [1.0, 0.1]]),
+            mature_silhouette: Curve::of([[0.0, 0.75], [0.4, 0.8], [0.75, 0.6], [1.0, 0.1]]),
             short_heading: Curve::degrees([[0.0, 0.0], [1.0, 30.0]]),
             long_heading: Curve::degrees([[0.0, 0.0], [0.35, -18.0], [0.7, -8.0], [1.0, 34.0]]),
             branch_scale: Curve::of([[0.0, 0.7], [0.25, 1.0], [1.0, 0.9]]),
-            lifespan: Curve::of([
-                [0.0, 1.0],
-                [0.4, 3.0],
-                [0.6, 7.0],
-                [0.75, 14.0],
-                [0.85, 60.0],
-                [1.0, 80.0],
-            ]),
-            metamers: Curve::of([[0.0, 1.0], [0.1, 2.0], [0.3, 4.0], [1.0, 7.0]]),
+            lifespan: long_lived(),
+            shoot_scale: spread_shoots(),
+            metamers: Curve::of([[0.0, 1.0], [0.1, 2.0], [0.3, 3.0], [1.0, 5.0]]),
             branching_angle: Curve::degrees([[0.0, 58.0], [0.3, 48.0], [0.7, 38.0]]),
             phenology: Phenology {
                 season: [0.34, 0.56],
@@ -288,26 +278,21 @@ impl Architecture {
             forking: 0.045,
             years: 40,
             longest_branch: 8.0,
-            least_scale: 0.4,
+            least_scale: 0.66,
             most_order: 3,
-            stoutness: 0.014,
-            twig_radius: 0.004,
+            stoutness: 0.0125,
+            scale_variation: 0.15,
+            twig_radius: 0.0024,
             variation: 0.1,
             tropism: 0.35,
             height: Curve::of([[0.0, 0.0], [0.1, 2.4], [0.4, 8.0], [1.0, 12.5]]),
             young_silhouette: Curve::of([[0.0, 0.55], [0.5, 0.5], [1.0, 0.08]]),
-            mature_silhouette: Curve::of([[0.0, 0.8], [0.4, 0.86], [0.75, 0.62], [1.0, 0.12]]),
+            mature_silhouette: Curve::of([[0.0, 0.95], [0.4, 0.95], [0.75, 0.75], [1.0, 0.12]]),
             short_heading: Curve::degrees([[0.0, 0.0], [1.0, 28.0]]),
             long_heading: Curve::degrees([[0.0, 6.0], [0.4, -26.0], [0.75, -20.0], [1.0, 40.0]]),
             branch_scale: Curve::of([[0.0, 0.7], [0.2, 0.95], [1.0, 0.9]]),
-            lifespan: Curve::of([
-                [0.0, 1.0],
-                [0.4, 4.0],
-                [0.6, 9.0],
-                [0.75, 16.0],
-                [0.85, 60.0],
-                [1.0, 80.0],
-            ]),
+            lifespan: long_lived(),
+            shoot_scale: spread_shoots(),
             metamers: Curve::of([[0.0, 1.0], [0.1, 2.0], [0.3, 3.0], [1.0, 6.0]]),
             branching_angle: Curve::degrees([[0.0, 62.0], [0.3, 54.0], [0.7, 46.0]]),
             phenology: Phenology {
@@ -340,8 +325,8 @@ impl Architecture {
             years: 40,
             least_shoot: 0.015,
             longest_branch: 10.0,
-            stoutness: 0.017,
-            twig_radius: 0.0025,
+            stoutness: 0.012,
+            twig_radius: 0.0015,
             tropism: 0.35,
             variation: 0.24,
             height: Curve::of([[0.0, 0.0], [0.1, 2.2], [0.4, 7.0], [1.0, 11.0]]),
@@ -353,6 +338,16 @@ impl Architecture {
             ..Self::cottonwood()
         }
     }
+}
+
+/// The lifespan of branches of trees whose twigs stay: all but the weakest live as long as the tree.
+fn long_lived() -> Curve {
+    Curve::of([[0.0, 1.0], [0.25, 4.0], [0.45, 9.0], [0.6, 16.0], [0.75, 30.0], [0.85, 60.0], [1.0, 80.0]])
+}
+
+/// The scale of laterals where the lower half of a shoot bears some too, so that limbs are clothed along their length.
+fn spread_shoots() -> Curve {
+    Curve::of([[0.0, 0.0], [0.3, 0.2], [0.6, 0.6], [0.85, 0.9], [1.0, 1.0]])
 }
 
 /// Channels over the year from colours as pickers show them.

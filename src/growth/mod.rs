@@ -1,4 +1,4 @@
-//! Trees over the years, by positional information: what grows where is said, not why.
+//! Trees over the years, by positional information: curves say what grows where, not why.
 //!
 //! After Galbraith, Mündermann and Wyvill 2004, "Implicit visualization and inverse modeling of growing trees". All of a
 //! tree, at every age, follows from [`Curve`]s over relative positions and relative time, which a [`Architecture`] holds.
@@ -37,7 +37,7 @@ use thickness::Thickness;
 /// The most nodes unless it is said otherwise: some 400 MB.
 const MOST_NODES: u32 = 4_000_000;
 
-/// Why there is no tree of an age.
+/// Error of growing a tree to an age.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum GrowthError {

@@ -13,8 +13,8 @@ const LEAST_ANGLE: f32 = 0.698_131_7;
 /// Shoots worked out from one report to the next.
 const SHOOTS: usize = 4096;
 
-/// The years that any dead branch stands at least, and those beyond that one of a metre stands on average; they go with the
-/// root of the length.
+/// Least number of years that a dead branch stands, and the mean number beyond that for a branch of
+/// one metre, in proportion to the root of the length; and the most of these.
 const LEAST_BARE: f32 = 0.2;
 const BARE_YEARS: f32 = 1.6;
 const MOST_BARE_YEARS: f32 = 6.0;
@@ -68,7 +68,7 @@ struct Builder<'a> {
     watch: &'a Watch<'a>,
 }
 
-/// Why a year does not come.
+/// Reason why a year does not come.
 enum Stop {
     Cancelled,
     /// More nodes than are allowed.
@@ -154,7 +154,7 @@ impl<'a> Builder<'a> {
         Ok(())
     }
 
-    /// Whether a branch lives in a year, if only at its beginning.
+    /// `true` if a branch lives in a year, if only at its beginning.
     fn is_living(&self, axis: usize, year: u16) -> bool {
         self.axes[axis].died > f32::from(year - 1)
     }
@@ -228,7 +228,7 @@ impl<'a> Builder<'a> {
                 start: 0,
             });
             if died < f32::from(architecture.years) {
-                // What is bare stands the longer the larger it is.
+                // A bare branch stands longer the larger it is.
                 let last = usize::from(died as u16 - year);
                 let length = self.shoots[self.axes[number].start as usize + last].length;
                 let bare = (BARE_YEARS * length.sqrt() * (0.5 + draw(Draw::Break))).min(MOST_BARE_YEARS);
@@ -242,7 +242,7 @@ impl<'a> Builder<'a> {
         }
     }
 
-    /// Whether a branch forks at the end of the shoot before `year`.
+    /// `true` if a branch forks at the end of the shoot before `year`.
     fn forks(&self, parent: usize, year: u16) -> bool {
         let id = (parent as u64) << 16 | u64::from(year);
         unit(self.seed, Draw::Fork as u32, Purpose::GROWTH, id) < self.architecture.forking
@@ -360,8 +360,8 @@ impl<'a> Builder<'a> {
         Structure { axes, shoots, borne, borne_starts: starts, years, refused, nodes }
     }
 }
-/// The least angle between two metamers' laterals about the axis when so many steps lie between them and so many laterals
-/// stand at each, radians, 0 to π.
+/// The least angle about the axis between two metamers' laterals, radians, 0 to π: `steps` metamers
+/// apart, with `whorl` laterals at each.
 fn apart(steps: u32, divergence: f32, whorl: u16) -> f32 {
     let turn = std::f64::consts::TAU / f64::from(whorl);
     let angle = (f64::from(steps) * f64::from(divergence)).rem_euclid(turn);

@@ -1,8 +1,8 @@
-//! What of a tree does not depend on its age: which branches it ever has, how long each is in each year, of how many
-//! metamers its shoots are, and when it is lost.
+//! The part of a tree that does not depend on its age: the branches that it ever has, the length of
+//! each in each year, the number of metamers of its shoots, and the age at which it is lost.
 //!
-//! Branches are numbered by the year in which they sprout, so that a bearing branch comes before what it bears; nodes
-//! are numbered year by year. Neither number ever changes.
+//! Branches are numbered by the year in which they sprout, so that a parent branch comes before its laterals;
+//! nodes are numbered year by year. Neither number ever changes.
 
 /// Uses of a branch's random numbers; the stages of its streams.
 #[derive(Debug, Clone, Copy)]
@@ -24,13 +24,14 @@ pub(super) const FORK_ANGLE: f32 = 0.4;
 /// A branch, the trunk included.
 #[derive(Debug, Clone)]
 pub(super) struct Axis {
-    /// The branch that bears it; the trunk's is itself.
+    /// Its parent branch; the trunk's is itself.
     pub(super) parent: u32,
     /// The metamer of that branch at whose upper end it springs.
     pub(super) bearer: u32,
     /// Number within the whorl at that metamer, from 0.
     pub(super) place: u16,
-    /// Whether it is half of a fork: as long as its parent branch beyond it, which leans the other way.
+    /// `true` if it is half of a fork: as long as the rest of its parent branch, which leans the
+    /// other way.
     pub(super) is_twin: bool,
     pub(super) order: u16,
     /// Its order without the forks on the way: a twin has its parent branch's.
@@ -44,7 +45,7 @@ pub(super) struct Axis {
     pub(super) lost: f32,
     /// `s_b` of equation 15.
     pub(super) scale: f32,
-    /// Between it and the bearing branch, radians.
+    /// Angle to its parent branch, radians.
     pub(super) angle: f32,
     /// Index of its years in the arrays of [`Structure`].
     pub(super) start: u32,

@@ -1,4 +1,4 @@
-//! What rules and weights may ask of the search around them.
+//! View that rules and weights have of the search around them.
 
 use super::fork::Fork;
 use super::search::Search;
@@ -53,7 +53,7 @@ impl Context<'_> {
         }
     }
 
-    /// Whether an edge leads from `node` to the tree.
+    /// `true` if an edge leads from `node` to the tree.
     pub(super) fn is_beside_tree(&self, node: u32) -> bool {
         match *self {
             Self::Search(search) => {

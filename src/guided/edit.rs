@@ -16,20 +16,22 @@ use std::sync::Arc;
 /// faster than by growing anew: an endpoint, a shape or an obstacle that moves, another rule.
 ///
 /// A stage's search is brought up to date where its tree, its rule or its weights have changed; its endpoints are chosen
-/// again if anything it sees has changed. The trees are those of [`TreeSynth::grow_all`], to the bit. How much is searched
-/// anew is how far the change reaches: all paths that came from a place which is no longer what it was, and all that
-/// are better now.
+/// again if anything it sees has changed. The trees are those of [`TreeSynth::grow_all`], to the bit. The
+/// amount that is searched anew depends on how far the change reaches: all paths from a place that has
+/// changed, and all that are better now.
 ///
-/// What a rule or a weight asks for is what its results hang on. One that asks for [`Fork`](super::Fork)s sees every fork
-/// whose tips or length have changed, and so mostly all is searched anew. [`Apart`](super::Apart) asks what
-/// lies beside the tree, which changes little.
+/// Results depend on what a rule or a weight asks for. One that asks for [`Fork`](super::Fork)s
+/// sees every fork whose tips or length have changed, so that mostly everything is searched anew.
+/// [`Apart`](super::Apart) asks what lies beside the tree, which changes little.
 ///
-/// What the edited tree keeps is what its endpoints keep. Those that nodes draw for themselves stay wherever nothing has
-/// changed: [`Count::Each`](super::Count::Each) of a whole surface. A [share](super::Count::Share) or a count, and the
-/// [outermost fraction](super::HopSurface::with_outermost), are chosen among all candidates, so that some change far away too.
+/// The edited tree keeps as much as its endpoints do. Endpoints that nodes draw for themselves stay
+/// wherever nothing has changed: [`Count::Each`](super::Count::Each) of a whole surface. A
+/// [share](super::Count::Share) or a count, and the
+/// [outermost fraction](super::HopSurface::with_outermost), are chosen among all candidates, so that some
+/// change far away too.
 ///
-/// Memory: 36 bytes a node and stage, 4 bytes an edge. Stages that [refine](super::Refinement) are refused: their
-/// graph is another one after every edit.
+/// Memory: 36 bytes per node and stage, 4 bytes per edge. Stages that [refine](super::Refinement) are
+/// refused: their graph is another one after every edit.
 ///
 /// ```
 /// use treesynth::{Silent, glam::Vec3};
@@ -65,7 +67,7 @@ pub struct Regrowth<'g> {
     bare: Search<'g>,
     trees: Vec<Growth>,
     anew: usize,
-    /// A bit a node, all of them off between uses.
+    /// One bit per node, all of them off between uses.
     joined: Vec<u64>,
 }
 

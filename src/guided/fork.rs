@@ -1,4 +1,4 @@
-//! What the tree is like where new branches leave it.
+//! The tree at the places where new branches leave it.
 
 use crate::math::{UP, parallel_transport, perpendicular};
 use crate::skeleton::{Skeleton, SkeletonError};

@@ -7,10 +7,12 @@
 
 use std::collections::BinaryHeap;
 
-/// Entries of a bucket, on average; half and a quarter as many are 4% slower. What is in a bucket is worked out together.
+/// Entries of a bucket, on average; half and a quarter as many are 4% slower. The entries of a bucket are
+/// worked out together.
 const FILL: usize = 64;
 
-/// How many times as far as most of the frontier its buckets reach, for what comes while they are opened.
+/// Range of costs that the buckets cover, in ranges of most of the frontier; the rest is for nodes
+/// that come while buckets are opened.
 const WIDEN: usize = 2;
 
 /// (cost, node) in one number whose order is theirs reversed, for both `Vec` and `BinaryHeap` pop the largest. The
@@ -54,7 +56,7 @@ struct Buckets {
 }
 
 impl Buckets {
-    /// So many empty ones; all have to be empty.
+    /// Makes `count` empty buckets; all present ones must be empty.
     fn reset(&mut self, count: usize) {
         self.ends.clear();
         self.ends.resize(count, (NONE, 0));
@@ -106,7 +108,7 @@ pub(super) struct Queue {
     count: usize,
     /// The cost that the first bucket begins at.
     base: f32,
-    /// Buckets a unit of cost.
+    /// Buckets per unit of cost.
     scale: f32,
     /// Entries behind all buckets.
     far: Vec<Entry>,

@@ -21,7 +21,7 @@ use std::sync::Arc;
 /// node in each octant within three spacings; in the plane z = 0 if all nodes of the graph before lie in it. Policies and rules see the same traits as ever; lengths of hops
 /// shrink with the spacing.
 ///
-/// Memory: about 100 bytes a node of the new graph. Time: as for a graph and a search of that many nodes.
+/// Memory: about 100 bytes per node of the new graph. Time: as for a graph and a search of that many nodes.
 ///
 /// ```
 /// use treesynth::glam::Vec3;
@@ -63,7 +63,8 @@ crate::recipe::mapped!(Refinement { region; spacing, reach, relaxation });
 const HOP: f32 = 1.3;
 /// The longest edge of the finer graph, in spacings: no edge leaps from one limb's surroundings to another's.
 const LONGEST: f32 = 3.0;
-/// So many nodes of the tree in a cube as wide as the spacing are usual; and so many pairs beyond them take half a minute.
+/// Usual number of the tree's nodes in a cube as wide as the spacing, at most; and the number of
+/// pairs beyond it that takes half a minute.
 const CROWD: u64 = 64;
 const MAX_PAIRS: u64 = 200_000_000;
 /// Voxels of the reach, in spacings, and the most of them.
@@ -169,7 +170,8 @@ impl<S: Shape> Refinement<S> {
         )
     }
 
-    /// Where thousands of branches meet, each node has thousands of neighbours, and edges would take minutes. O(n log n).
+    /// Refuses trees where thousands of branches meet: each node there has thousands of
+    /// neighbours, and edges would take minutes. O(n log n).
     fn check_crowds(&self, nodes: &[Vec3]) -> Result<(), ParameterError> {
         let low = Bounds::of(nodes.iter().copied()).min;
         let key = |node: &Vec3| {
@@ -232,7 +234,7 @@ struct Reach<'a> {
     origin: Vec3,
     side: f32,
     dims: IVec3,
-    /// A bit a voxel.
+    /// One bit per voxel.
     voxels: Vec<u64>,
     count: usize,
 }

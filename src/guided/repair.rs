@@ -2,7 +2,8 @@
 //!
 //! Ramalingam and Reps 1996, "An Incremental Algorithm for a Generalization of the Shortest-Path Problem", with one more
 //! thing to see to: a node's vector is fixed when the node is settled, from its path, so where a path changes, all that
-//! hangs on it is searched anew, even if its cost stays. What comes out is what a search from nothing gives, to the bit.
+//! hangs on it is searched anew, even if its cost stays. The result is that of a search from nothing, to the
+//! bit.
 
 use super::fork::Fork;
 use super::graph::Graph;
@@ -165,7 +166,8 @@ struct Repair<'a, 'g> {
     list: Vec<u32>,
     /// Opened or changed, and what hangs on it not yet seen to.
     stack: Vec<u32>,
-    /// Whether a search from nothing would have taken the same ways for certain, and this is faster.
+    /// `true` while a search from nothing would have taken the same ways for certain, and this is
+    /// faster.
     is_clear: bool,
     anew: usize,
 }
@@ -178,7 +180,7 @@ impl Repair<'_, '_> {
         let old_forks: Option<Vec<Fork>> = asked.forks.then(|| {
             old.iter().map(|&node| search.fork(node).unwrap_or_else(|| Fork::new(Vec3::Y))).collect()
         });
-        // What each node of the new trees was before.
+        // Place, parent and vector of each node of the new trees before.
         let before: Vec<(Option<usize>, u32, Vec3)> = entries
             .iter()
             .map(|entry| {
@@ -299,7 +301,7 @@ impl Repair<'_, '_> {
         }
     }
 
-    /// Whether cost and vector of a node are final.
+    /// `true` if cost and vector of a node are final.
     fn is_final(&self, node: u32) -> bool {
         self.state[node as usize] != State::Open && self.search.is_settled(node)
     }
@@ -332,8 +334,8 @@ impl Repair<'_, '_> {
         Ok(())
     }
 
-    /// Whether a search from nothing takes this way rather than the one that is known: the cheaper one, or of equal
-    /// ones that whose start it settles first.
+    /// `true` if a search from nothing takes this way rather than the known one: it is cheaper, or
+    /// costs the same and its start is settled first.
     fn is_better(&mut self, from: u32, to: u32, through: f32) -> bool {
         let (known, before) = (self.search.costs[to as usize], self.search.parents[to as usize]);
         // Neither is NaN, and no cost is -0.

@@ -126,7 +126,7 @@ impl Search<'_> {
             if open == 0 {
                 continue;
             }
-            // Where the others are need not be in the cache any more.
+            // Only positions of open ends are read, so that the others need not be in the cache.
             for (to, end) in &mut ends[..open] {
                 *end = positions[*to as usize];
             }
@@ -242,7 +242,7 @@ impl Search<'_> {
         self.stages_before.saturating_add(stage as u16)
     }
 
-    /// Whether the endpoints are nodes that paths lead to.
+    /// Checks that the endpoints are nodes that paths lead to.
     pub(super) fn check_endpoints(&self, endpoints: &[u32], stage: usize) -> Result<(), SearchError> {
         for &node in endpoints {
             if node as usize >= self.graph.nodes() {
@@ -298,7 +298,8 @@ struct Ahead {
 }
 
 impl Ahead {
-    /// With room for nodes of sixteen edges, so that there is one allocation an array and not one a doubling.
+    /// With room for nodes of sixteen edges, so that there is one allocation per array and not one per
+    /// doubling.
     fn new() -> Self {
         Self {
             first: 0,
@@ -309,7 +310,8 @@ impl Ahead {
         }
     }
 
-    /// The last nodes of the open bucket. What no search can go on with is left to when the node is settled.
+    /// The last nodes of the open bucket. A fault that ends a search is left until its node is
+    /// settled.
     fn work_out(&mut self, search: &Search<'_>, graph: &Graph, terms: &Terms<'_>) {
         let opened = search.queue.opened();
         self.first = opened.len().saturating_sub(AHEAD);
@@ -364,8 +366,8 @@ impl Ahead {
         }
     }
 
-    /// What the node at a place in the open bucket leaves to those after it, and its edges; `None` where that has to be
-    /// worked out when it is settled.
+    /// Guide, edges and weights of the node at a place in the open bucket; `None` where they have
+    /// to be computed when it is settled.
     #[inline]
     fn get(&self, place: usize) -> Option<WorkedOut<'_>> {
         let i = place.checked_sub(self.first)?;

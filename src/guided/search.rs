@@ -1,4 +1,4 @@
-//! What is known of each node while trees grow: costs, paths, guiding vectors, and which are on the tree.
+//! State of each node while trees grow: costs, paths, guiding vectors, and which are on the tree.
 
 use super::fork::{Fork, Parts};
 use super::graph::{Graph, Planted};
@@ -17,7 +17,7 @@ pub(super) const NONE: u32 = u32::MAX;
 ///
 /// A tree begins as the root alone. Each stage searches paths from all nodes of the trees, and the paths to some
 /// endpoints become part of them. A value can be used for many trees on one graph: what it holds is allocated once,
-/// 36 bytes a node; a refinement brings a graph and memory of its own.
+/// 36 bytes per node; a refinement brings a graph and memory of its own.
 #[derive(Debug, Clone)]
 pub struct Search<'g> {
     /// The graph that every new tree begins in.
@@ -31,7 +31,7 @@ pub struct Search<'g> {
     pub(super) guides: Vec<Guide>,
     /// Index in `tree`, or `NONE`.
     pub(super) place: Vec<u32>,
-    /// A bit a node.
+    /// One bit per node.
     pub(super) on_tree: Vec<u64>,
     /// Nodes of the trees, each after its parent.
     pub(super) tree: Vec<u32>,
@@ -46,7 +46,7 @@ pub struct Search<'g> {
     /// Set when a weight has asked in a stage what lies beside the tree.
     pub(super) asked_beside: OnceLock<()>,
     pub(super) queue: Queue,
-    /// A bit a node: the search stops when all of these are settled.
+    /// One bit per node: the search stops when all of these are settled.
     pub(super) wanted: Vec<u64>,
     pub(super) complete: bool,
     /// Nothing is known of nodes off the tree.
@@ -311,7 +311,7 @@ impl<'g> Search<'g> {
         &self.stages
     }
 
-    /// Whether `node` is on the tree.
+    /// `true` if `node` is on the tree.
     ///
     /// # Panics
     /// As all methods that take a node: when there is no such node.
@@ -320,8 +320,8 @@ impl<'g> Search<'g> {
         self.on_tree[node as usize / 64] >> (node % 64) & 1 == 1
     }
 
-    /// Which tree `node` is on, or its path starts from: the number among the graph's [roots](Graph::roots). `None` off
-    /// the trees if not settled.
+    /// The tree that `node` is on, or that its path starts from: its number among the graph's
+    /// [roots](Graph::roots). `None` off the trees if not settled.
     pub fn tree_of(&self, node: u32) -> Option<u32> {
         let source = if self.is_on_tree(node) { node } else { self.source(node)? };
         Some(self.owners[self.place[source as usize] as usize])
@@ -332,12 +332,13 @@ impl<'g> Search<'g> {
         Some(self.place[node as usize]).filter(|&place| place != NONE).map(|place| place as usize)
     }
 
-    /// Whether the latest search went to its end, so that what is not settled cannot be reached.
+    /// `true` if the latest search went to its end, so that nodes that are not settled cannot be
+    /// reached.
     pub fn is_complete(&self) -> bool {
         self.complete
     }
 
-    /// Whether the latest search has settled `node`: its cost and path are final.
+    /// `true` if the latest search has settled `node`: its cost and path are final.
     #[inline]
     pub fn is_settled(&self, node: u32) -> bool {
         !self.guides[node as usize].vector.x.is_nan()
@@ -389,7 +390,7 @@ impl<'g> Search<'g> {
         forks.get(self.place(node)?).copied()
     }
 
-    /// The trees so far, one a root, without radii but those that were given; and the place in
+    /// The trees so far, one per root, without radii but those that were given; and the place in
     /// [`tree`](Self::tree) of each of their nodes.
     pub(super) fn skeletons(&self) -> Result<Vec<(Skeleton, Vec<usize>)>, SkeletonError> {
         let parent = |&node: &u32| self.parent(node).map(|parent| self.place[parent as usize]);

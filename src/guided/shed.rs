@@ -6,8 +6,8 @@ use crate::skeleton::{Skeleton, SkeletonError};
 /// Takes branches away that bear less than their length deserves, as trees do with limbs in deep shade.
 ///
 /// A branch ends at its last fork if more than the [bare end](Self::with_bare_end) lies beyond it, and falls whole, with
-/// all it bears, if it has none or fewer tips a metre of its axis than the [least density](Self::with_least_density). What
-/// that makes bare falls too. The trunk stays.
+/// all it bears, if it has none or fewer tips per metre of its axis than the [least
+/// density](Self::with_least_density). Branches that become bare by this fall too. The trunk stays.
 ///
 /// ```
 /// use treesynth::{Skeleton, glam::Vec3, guided::Shedding};
@@ -50,7 +50,7 @@ impl Shedding {
         self
     }
 
-    /// The fewest tips a metre of a branch longer than the bare end, at least 0.
+    /// The fewest tips per metre of a branch longer than the bare end, at least 0.
     pub fn with_least_density(mut self, tips: f32) -> Self {
         self.least_density = tips;
         self
@@ -67,12 +67,13 @@ impl Shedding {
             fits,
             "Shedding.least_density",
             self.least_density,
-            "finite and at least 0 a metre",
+            "finite and at least 0 per metre",
         )
     }
 
-    /// What stays of a tree, and the number in it of each node that stays, ascending. Orders are worked out anew: where an
-    /// axis has fallen, a branch that it bore goes on. O(n) a round; as many rounds as branches fall in a row.
+    /// The part of a tree that stays, and the number that each of its nodes had before, ascending.
+    /// Orders are computed anew: where an axis has fallen, a branch that it bore goes on. O(n) per
+    /// round; as many rounds as branches fall in a row.
     ///
     /// # Errors
     /// None for a sound skeleton.
@@ -112,7 +113,7 @@ impl Shedding {
                 stays[axis[last + 1] as usize] = false;
             }
         }
-        // What a fallen node bears falls with it.
+        // A fallen node takes all above it along.
         for (node, parent) in tree.edges() {
             stays[node] &= stays[parent];
         }

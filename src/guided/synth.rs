@@ -28,17 +28,17 @@ pub struct Stage {
 }
 
 impl Stage {
-    /// How guiding vectors turn.
+    /// Rule that turns guiding vectors.
     pub fn rule(&self) -> &dyn GuidingRule {
         &*self.rule
     }
 
-    /// What edges cost.
+    /// Weight of edges.
     pub fn weight(&self) -> &dyn WeightFn {
         &*self.weight
     }
 
-    /// What branches grow to.
+    /// Policy that chooses the nodes to which branches grow.
     pub fn endpoints(&self) -> &dyn EndpointPolicy {
         &*self.endpoints
     }
@@ -138,12 +138,12 @@ pub struct TreeSynth {
 }
 
 impl TreeSynth {
-    /// What trees grow in.
+    /// Builder of the graph in which trees grow.
     pub fn graph(&self) -> &dyn GraphBuilder {
         &*self.graph
     }
 
-    /// How thick branches are.
+    /// Model of branch radii.
     pub fn radius(&self) -> &dyn RadiusModel {
         &*self.radius
     }
@@ -175,7 +175,7 @@ pub struct Growth {
     pub graph: Option<Arc<Graph>>,
 }
 
-/// Why there is no tree.
+/// Error of growing trees by guided synthesis.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum SynthesisError {
@@ -268,7 +268,7 @@ impl TreeSynth {
         self
     }
 
-    /// Whether a stage refines.
+    /// `true` if a stage refines.
     pub fn refines(&self) -> bool {
         self.stages.iter().any(|stage| stage.refinement.is_some())
     }
@@ -296,7 +296,7 @@ impl TreeSynth {
         &self.stages
     }
 
-    /// Whether all options are in range. Synthesis asks this first.
+    /// Checks that all options are in range. Synthesis does this first.
     ///
     /// # Errors
     /// The first option that is not.
@@ -363,7 +363,7 @@ impl TreeSynth {
 
     /// Builds the graph and grows a tree from each of its [roots](Graph::roots). All trees compete in one search: a node
     /// belongs to the tree whose path to it costs least, so no two trees share one and crowns give way to each other.
-    /// In the order of the roots. Which rule guides which tree: [`ByTree`](super::ByTree).
+    /// In the order of the roots. [`ByTree`](super::ByTree) gives each tree a rule of its own.
     ///
     /// ```
     /// use treesynth::glam::Vec3;

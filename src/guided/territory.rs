@@ -9,7 +9,7 @@ use glam::Vec3;
 ///
 /// The paper's weight alone lets a limb that goes straight on reach far into a neighbour's crown, for along the guiding
 /// vector way costs next to nothing. An infinite price forbids it: each tree then stays within its cell of the roots' Voronoi
-/// diagram. O(m) an edge for m roots.
+/// diagram. O(m) per edge for m roots.
 ///
 /// ```
 /// use treesynth::{WeightFn, glam::Vec3, guided::{Edge, Guided, Territory}};
@@ -31,7 +31,7 @@ pub struct Territory<W> {
 crate::recipe::mapped!(Territory { weight; roots, price });
 
 impl<W: WeightFn> Territory<W> {
-    /// The roots of all trees, metres, and the price a metre: at least 0, and infinite to forbid.
+    /// The roots of all trees, metres, and the price per metre: at least 0, and infinite to forbid.
     pub fn new(weight: W, roots: impl Into<Vec<Vec3>>, price: f32) -> Self {
         Self { weight, roots: roots.into(), price }
     }
@@ -51,7 +51,7 @@ impl<W: WeightFn> WeightFn for Territory<W> {
 
     fn check(&self) -> Result<(), ParameterError> {
         let price = self.price;
-        ParameterError::unless(price >= 0.0, "Territory.price", price, "at least 0 a metre, or infinite")?;
+        ParameterError::unless(price >= 0.0, "Territory.price", price, "at least 0 per metre, or infinite")?;
         for root in &self.roots {
             ParameterError::unless(root.is_finite(), "Territory.roots", root, "finite, in metres")?;
         }

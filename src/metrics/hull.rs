@@ -134,7 +134,8 @@ impl<'a> Hull<'a> {
         }
     }
 
-    /// Takes in the point farthest from a face: what it sees goes, and a cone to the border of that comes.
+    /// Adds the point farthest from a face: the faces that it sees give way to a cone to their
+    /// border.
     fn grow(&mut self, start: usize) {
         let far = |&x: &usize, &y: &usize| self.distance(start, x).total_cmp(&self.distance(start, y));
         let Some(apex) = self.faces[start].outside.iter().copied().max_by(|x, y| far(x, y)) else { return };

@@ -1,4 +1,5 @@
-//! What trees beyond the paper have in common: a straight trunk, clothed limbs, nothing that could not hold itself up.
+//! Parts that trees beyond the paper share: straight trunks, limbs with twigs, radii that hold a
+//! branch up.
 
 use super::{Site, degrees};
 use crate::guided::{
@@ -18,12 +19,12 @@ pub(super) fn twigs(hops: u32, metres: f32, spacing: f32) -> StageRecipe {
     StageRecipe::new(rule, endpoints).with_weight(Apart::new(Guided, 0.5))
 }
 
-/// A trunk of so many metres.
+/// A trunk of this height in metres.
 pub(super) fn leader(height: f32) -> Leader {
     Leader::new(Vec3::ZERO, Vec3::Y * height)
 }
 
-/// Whips fall, and what stays is thick enough for its length.
+/// Sheds bare whips, and makes the rest thick enough for its length.
 pub(super) fn finished(synth: Recipe, trunk: f32) -> Recipe {
     let pipes = PipeModel::default().with_exponent(2.4).with_trunk_diameter(trunk);
     synth

@@ -6,7 +6,7 @@ use crate::species::{self, Species};
 use crate::variational;
 use std::fmt;
 
-/// What makes a tree.
+/// A system that grows trees.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum System {
@@ -52,7 +52,7 @@ pub enum Found {
     Species(&'static Species),
 }
 
-/// Why there is no such preset.
+/// Error of finding a preset.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
 pub enum PresetError {
@@ -69,9 +69,9 @@ pub enum PresetError {
     System {
         /// The name of the preset.
         name: String,
-        /// Whose it is.
+        /// The system that it is of.
         system: System,
-        /// Whose it should be.
+        /// The system that was asked for.
         wanted: System,
     },
 }
@@ -89,7 +89,7 @@ impl Found {
         }
     }
 
-    /// What makes its tree.
+    /// The system that grows its tree.
     pub fn system(&self) -> System {
         match self {
             Self::Guided(_) => System::Guided,
@@ -119,7 +119,7 @@ impl Found {
     /// The preset of [`guided`](crate::guided).
     ///
     /// # Errors
-    /// It is another system's; so of the next five.
+    /// A preset of another system.
     pub fn guided(self) -> Result<&'static Preset, PresetError> {
         if let Self::Guided(preset) = self { Ok(preset) } else { Err(self.not(System::Guided)) }
     }

@@ -22,7 +22,7 @@ pub struct Grown {
     pub ages: &'static [f32],
     /// The seed of its pictures.
     pub seed: u64,
-    /// Whether it lies in the plane z = 0, for a drawing.
+    /// `true` if it lies in the plane z = 0, for a drawing.
     pub planar: bool,
     architecture: fn() -> Result<Architecture, ParameterError>,
     look: Look,
@@ -63,7 +63,7 @@ impl Grown {
         (self.leaf)()
     }
 
-    /// The leaves that hang on a tree, a value a colour.
+    /// The leaves that hang on a tree, one value per colour.
     pub fn leaves(&self, tree: &TreeAtAge) -> Vec<Leaves> {
         Leaves::grown(tree, &(self.leaf)())
     }
@@ -179,7 +179,7 @@ const GROWN: &[Grown] = &[
     .like(look::CHESTNUT, || Leaf::palmate().with_petiole(0.7)),
 ];
 
-/// Figure 8: two branches a year in one plane, straight, none scaled, none lost.
+/// Figure 8: two branches per year in one plane, straight, none scaled, none lost.
 fn lengths() -> Result<Architecture, ParameterError> {
     Ok(Architecture::cottonwood()
         .with_most_order(1)

@@ -9,7 +9,7 @@ use glam::Vec3;
 /// Half of its length, metres, half of its width at the ground and at its top, and its height.
 const SIZE: [f32; 4] = [5.0, 0.6, 0.3, 1.5];
 
-/// Walls lean in, so that light comes to the foot.
+/// Walls lean in, so that light comes to the base.
 struct Trimmed;
 
 impl Shape for Trimmed {

@@ -72,13 +72,13 @@ pub struct Preset {
     pub name: &'static str,
     /// The number of the figure; 0 beyond the paper.
     pub figure: u8,
-    /// What the tree shows.
+    /// Description of the tree in the figure.
     pub caption: &'static str,
     /// The seed of its picture.
     pub seed: u64,
     /// The stages after which the figure shows the unfinished tree, if it does.
     pub partial_stages: Option<usize>,
-    /// Whether it lies in the plane z = 0.
+    /// `true` if it lies in the plane z = 0.
     pub planar: bool,
     build: fn(usize) -> Recipe,
     look: Look,
@@ -202,7 +202,7 @@ fn fork() -> Bend {
     Bend::piecewise(degrees(30.0), 0.0, 1)
 }
 
-/// Radii by the pipe model, tapered, for a trunk so many metres across.
+/// Radii by the pipe model, tapered, for a trunk of this diameter in metres.
 fn bark(trunk: f32) -> Taper<PipeModel> {
     Taper::new(PipeModel::default().with_exponent(2.4).with_trunk_diameter(trunk))
 }

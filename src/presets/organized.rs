@@ -1,4 +1,4 @@
-//! Trees and stands that organize themselves: what a habit, a wind, a wall or neighbours make of a bud.
+//! Trees and stands that organize themselves: the effects of habit, wind, walls and neighbours.
 
 use super::stand::Stand;
 use super::{degrees, hedge, topiary};

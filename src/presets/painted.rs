@@ -36,7 +36,7 @@ const SPACES: &[Stand<SpaceColonization>] = &[
     }),
 ];
 
-/// Markers a cubic metre.
+/// Markers per cubic metre.
 const DENSITY: f32 = 150.0;
 
 fn count(shape: &dyn Shape) -> usize {
@@ -57,7 +57,8 @@ fn colony(shape: &dyn Shape, seed: u64) -> Result<Forest<SpaceColonization>, For
     Ok(forest)
 }
 
-/// What the brush of `space-brush` paints: a stem that bends over to the right, a limb to the left, one upwards.
+/// Strokes of the brush of `space-brush`: a stem that bends over to the right, a limb to the left,
+/// one upwards.
 pub fn strokes() -> [Brush; 3] {
     let points: [&[[f32; 3]]; 3] = [
         &[[0.0, 0.0, 0.0], [0.0, 1.2, 0.0], [0.5, 2.2, 0.1], [1.6, 2.7, 0.3], [2.6, 2.5, 0.3]],

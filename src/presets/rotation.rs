@@ -1,4 +1,4 @@
-//! Figures 5 to 8: how guiding vectors turn.
+//! Figures 5 to 8: rotation of guiding vectors.
 
 use super::look::{ASH, CHESTNUT, HAZEL, LINDEN, MAPLE, POPLAR};
 use super::{Preset, Site, degrees, trunk};

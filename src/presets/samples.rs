@@ -1,4 +1,4 @@
-//! Figures 1 and 4: what the method makes, and how.
+//! Figures 1 and 4: results of the method, and its steps.
 
 use super::look::{ASH, LINDEN, POPLAR};
 use super::{Preset, Site, degrees, rotation, trunk, variety};

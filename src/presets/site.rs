@@ -1,11 +1,11 @@
-//! Where the tree of a figure stands, and what a hop is there.
+//! Site of a figure's tree, and the length of a hop there.
 
 use super::{TYPICAL_NODES, bark, fork};
 use crate::guided::{Bend, Count, HopSurface, InShape, PoissonYao, Recipe, StageRecipe};
 use crate::shape::{Cuboid, ShapeRecipe};
 use glam::Vec3;
 
-/// A box on the ground, metres, to be filled with about so many nodes.
+/// A box on the ground, metres, to be filled with about this number of nodes.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Site {
     pub(super) width: f32,
@@ -45,12 +45,12 @@ impl Site {
         rule.with_hop_length(self.hop())
     }
 
-    /// Up to so many endpoints `hops` hops off the tree, in the outermost 60% of that surface.
+    /// At most `count` endpoints `hops` hops off the tree, in the outermost 60% of that surface.
     pub(super) fn surface(self, hops: u32, count: usize) -> HopSurface {
         HopSurface::new(hops, Count::UpTo(count)).with_hop_length(self.hop())
     }
 
-    /// No stages yet; radii for a trunk so many metres across.
+    /// No stages yet; radii for a trunk of this diameter in metres.
     pub(super) fn tree(self, trunk: f32) -> Recipe {
         Recipe::new(self.graph()).with_radius(bark(trunk))
     }

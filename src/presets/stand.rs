@@ -83,8 +83,8 @@ impl<E: Environment> Stand<E> {
         Ok(forest)
     }
 
-    /// What its gardener does after the season that has just passed: a hedge is trimmed, a brush paints on. Nothing for
-    /// most.
+    /// The gardener's work after the season that has just passed: a hedge is trimmed, a brush
+    /// paints on. Nothing for most.
     ///
     /// # Errors
     /// None for the presets of this module.
@@ -103,7 +103,7 @@ impl<E: Environment> Stand<E> {
     }
 
     /// The leaves of one of its trees: where the text's rule ([`Tree::leafy`]) has them, on metamers that begin at
-    /// least four nodes from the foot and carry fewer than 30 buds. None in winter.
+    /// least four nodes from the trunk base and carry fewer than 30 buds. None in winter.
     ///
     /// # Errors
     /// As [`Foliage::place`](crate::foliage::Foliage::place): a skeleton without radii, say.

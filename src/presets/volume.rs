@@ -1,4 +1,4 @@
-//! Figures 9 to 14: where endpoints lie.
+//! Figures 9 to 14: places of endpoints.
 
 use super::look::{LINDEN, MAPLE, POPLAR, WILLOW};
 use super::{Preset, Site, degrees, fork, trunk};

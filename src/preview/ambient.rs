@@ -13,7 +13,7 @@ use std::f32::consts::TAU;
 
 /// Cells along the longest side.
 const CELLS: f32 = 48.0;
-/// Rays that look for a solid's surface, a cell's side.
+/// Rays per cell's side that look for a solid's surface.
 const RAYS: f32 = 2.0;
 /// Directions light comes from: how many around the vertical, and the tangent of their angle to it.
 const DIRECTIONS: [(usize, f32); 3] = [(1, 0.0), (6, 0.7), (9, 1.7)];

@@ -1,4 +1,4 @@
-//! From where a picture is taken.
+//! The camera of a picture.
 
 use super::PreviewError;
 use super::ray::Ray;
@@ -28,8 +28,8 @@ pub enum Projection {
 
 /// A camera that looks from a direction and stands where everything fits into the picture.
 ///
-/// By default it frames the meshes it is shown, exactly; [`with_frame`](Self::with_frame) fixes the frame, so that
-/// several pictures have one scale.
+/// The default frame fits the meshes shown, exactly; [`with_frame`](Self::with_frame) fixes the
+/// frame, so that several pictures have one scale.
 #[must_use]
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
@@ -89,7 +89,7 @@ impl Camera {
         self
     }
 
-    /// Goes on by so many radians about the up axis.
+    /// Turned on by this angle about the up axis, radians.
     pub(super) fn turned(self, angle: f32) -> Self {
         let azimuth = self.azimuth + angle;
         self.with_azimuth(azimuth)
@@ -186,7 +186,7 @@ impl Camera {
     }
 }
 
-/// Samples a unit of slope.
+/// Samples per unit of slope.
 fn focal(field_of_view: f32, height: f32) -> f32 {
     let (sin, cos) = math::sin_cos(0.5 * field_of_view);
     0.5 * height * cos / sin
@@ -243,7 +243,7 @@ impl Fit {
 pub(super) struct View {
     axes: Axes,
     eye: Vec3,
-    /// Samples a unit of slope (perspective) or a metre (orthographic).
+    /// Samples per unit of slope (perspective) or per metre (orthographic).
     scale: f32,
     middle: (f32, f32),
     perspective: bool,
@@ -278,7 +278,8 @@ impl View {
         }
     }
 
-    /// Whether nearness is one over the depth, so that only what is divided by it is linear over the picture.
+    /// `true` if nearness is one over the depth, so that only values divided by the depth are linear
+    /// over the picture.
     pub(super) fn is_perspective(&self) -> bool {
         self.perspective
     }
@@ -288,7 +289,7 @@ impl View {
         if self.perspective { (self.eye - point).normalize_or(self.axes.back) } else { self.axes.back }
     }
 
-    /// How near a point in front of the camera is, as [`project`](Self::project) has it.
+    /// Nearness of a point in front of the camera, as in [`project`](Self::project).
     #[inline]
     pub(super) fn nearness(&self, point: Vec3) -> f32 {
         let depth = (self.eye - point).dot(self.axes.back);
@@ -309,7 +310,7 @@ impl View {
         }
     }
 
-    /// The side of a sample, metres: at the eye, and what it grows by a metre.
+    /// The side of a sample, metres: at the eye, and its growth per metre.
     pub(super) fn sample_size(&self) -> [f32; 2] {
         if self.perspective { [0.0, 1.0 / self.scale] } else { [1.0 / self.scale, 0.0] }
     }
@@ -326,8 +327,8 @@ impl View {
         if self.perspective { nearness / self.scale } else { 1.0 / self.scale }
     }
 
-    /// Where the line of sight through a place of the picture meets the horizontal plane at `height`; `None` if it
-    /// does not.
+    /// Point where the line of sight through a place of the picture meets the horizontal plane at
+    /// `height`; `None` if it does not.
     pub(super) fn ground(&self, x: f32, y: f32, height: f32) -> Option<Vec3> {
         let (dx, dy) = ((x - self.middle.0) / self.scale, (self.middle.1 - y) / self.scale);
         let Axes { right, up, back } = self.axes;

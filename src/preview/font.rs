@@ -7,7 +7,7 @@ pub(super) const HEIGHT: u32 = 8;
 /// From one glyph to the next, in columns.
 pub(super) const ADVANCE: u32 = WIDTH + 1;
 
-/// A glyph a character from the space to the tilde; a byte a column, the lowest bit on top.
+/// One glyph per character from the space to the tilde; one byte per column, the lowest bit on top.
 const GLYPHS: [[u8; 5]; 95] = [
     [0x00, 0x00, 0x00, 0x00, 0x00], // space
     [0x00, 0x00, 0x5F, 0x00, 0x00], // !

@@ -1,7 +1,8 @@
 //! From triangles to pixels, a strip of rows at a time.
 //!
 //! Each strip holds for every sample the nearest triangle and its nearness. Only when all are in is anything
-//! shaded, once a pixel and triangle. Thin triangles (see [`raster`]) are laid over the pixels by their area.
+//! shaded, once per pixel and triangle. Thin triangles (see [`raster`]) are laid over the pixels by their
+//! area.
 
 mod cast;
 mod soft;
@@ -68,7 +69,7 @@ pub(super) struct Frame<'a> {
     solid: Option<&'a dyn Cast>,
     /// Height of the ground, and the middle and radius of the disc of it that is drawn.
     ground: Option<(Vec3, f32)>,
-    /// Whether something is below the ground.
+    /// `true` if something is below the ground.
     buries: bool,
     projected: Vec<Vec<Vec3>>,
     facets: Vec<Facet>,
@@ -194,7 +195,7 @@ impl<'a> Frame<'a> {
     ) -> Result<(), Cancelled> {
         let strips = (self.preview.height as usize).div_ceil(self.strip);
         let mut groups: Vec<_> = (0..GROUPS).map(|_| Group::new(self)).collect();
-        // So many strips of each group at a time; triangles are fast.
+        // Strips that each group draws at a time; triangles are fast.
         let turns = if self.solid.is_some() { 1 } else { TURNS };
         let (width, tones) = (self.preview.width as usize, Tones::new());
         let mut rows = Rows::new(width);
@@ -243,7 +244,7 @@ impl<'a> Frame<'a> {
         (0..width * rows).map(pixel).collect()
     }
 
-    /// What is below the ground is hidden by it.
+    /// Hides everything below the ground.
     fn bury(&self, strip: &mut Strip) {
         let Some((middle, _)) = self.ground.filter(|_| self.buries) else { return };
         for row in 0..strip.rows {
@@ -478,8 +479,8 @@ impl<'a> Frame<'a> {
         Glimpse { sky, sun: color * lit.sun * fade, light: lit.light, point, normal: Vec3::Y }
     }
 
-    /// What is left of the light on the ground that is seen there, how clearly it is seen, and where it is; `None`
-    /// beyond its edge.
+    /// Light on the ground that is seen there, its weight (falling to 0 at the ground's edge), and
+    /// the point; `None` beyond the edge.
     fn ground(&self, column: usize, row: usize) -> Option<(Lit, f32, Vec3)> {
         let (middle, radius) = self.ground?;
         let scale = self.samples as f32;

@@ -97,7 +97,7 @@ impl<'a> Light<'a> {
     }
 
     /// The light that falls on a point of a surface, or comes through it from behind if it is `thin`. A solid is asked by
-    /// so many `beams` whether it lets it through.
+    /// these `beams` whether it lets it through.
     pub(super) fn on(&self, point: Vec3, normal: Vec3, thin: bool, beams: Sunbeams) -> Vec3 {
         let Lit { sky, sun, light } = self.lit(point, normal, thin, beams);
         sky + sun * light.seen
@@ -127,7 +127,7 @@ impl<'a> Light<'a> {
         Seen { sun, sky: self.ambient.light(middle, Vec3::ZERO) }
     }
 
-    /// The light on a surface that sees so much of sun and sky.
+    /// The light on a surface that sees this part of sun and sky.
     pub(super) fn falling(&self, seen: Seen, normal: Vec3, thin: bool) -> Vec3 {
         let facing = normal.dot(self.sun);
         let slope = if facing > 0.0 || !thin { facing.max(0.0) } else { -facing * TRANSMITTED };
@@ -156,7 +156,7 @@ impl<'a> Light<'a> {
         self.falling_on(Seen { sun, sky: self.ambient.light(point, facing) }, facing, thin, surface)
     }
 
-    /// The same for a place that sees so much of sun and sky.
+    /// The same for a place that sees this part of sun and sky.
     pub(super) fn falling_on(&self, seen: Seen, facing: Vec3, thin: bool, surface: &Surface) -> Vec3 {
         let Surface { normal, color, occlusion, .. } = *surface;
         // Relief does not see a sun that the surface itself turns away from.
@@ -175,8 +175,8 @@ impl<'a> Light<'a> {
         direct + color * sky + sun * self.gloss(surface) * slope.max(0.0)
     }
 
-    /// What of the sun is mirrored towards the camera (Trowbridge and Reitz 1975; Kelemen and Szirmay-Kalos 2001), as a
-    /// part of what a white surface would scatter.
+    /// Sunlight that is mirrored towards the camera (Trowbridge and Reitz 1975; Kelemen and
+    /// Szirmay-Kalos 2001), as a part of what a white surface would scatter.
     fn gloss(&self, surface: &Surface) -> f32 {
         let Some((roughness, towards)) = surface.gloss else { return 0.0 };
         let half = (self.sun + towards).normalize_or(surface.normal);

@@ -36,7 +36,7 @@ use std::f32::consts::TAU;
 /// Farther out than this, in metres, products of coordinates leave the range of 32-bit floats.
 const FARTHEST: f32 = 1e9;
 
-/// Why there is no picture.
+/// Error of drawing a picture.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum PreviewError {
@@ -78,9 +78,10 @@ pub enum PreviewError {
         /// The number of cubes allowed.
         most: usize,
     },
-    /// So many primitives are felt at one place that the picture would take a hundred times as long as others.
+    /// Thousands of primitives overlap at one place: the picture would take a hundred times as long
+    /// as others.
     #[error(
-        "thousands of primitives are felt at one place, so that rays there would take minutes; draw a mesh of the surface, or a \
+        "thousands of primitives overlap at one place, so that rays there would take minutes; draw a mesh of the surface, or a \
          skeleton of fewer branches at one node"
     )]
     Crowded,
@@ -102,7 +103,7 @@ struct Stage<'a> {
     view: View,
 }
 
-/// What reaches below 0 by less than this part of its height is in the ground there.
+/// A model that reaches below 0 by less than this part of its height stands on ground at 0.
 const ROOTED: f32 = 0.1;
 
 /// Draws meshes: sun with soft shadows, a sky that the crown darkens, the shadow on the ground, smooth edges, and
@@ -111,8 +112,8 @@ const ROOTED: f32 = 0.1;
 /// Triangles are seen from outside (counter-clockwise), unless a part is two-sided. Colours are linear (not sRGB).
 ///
 /// Time: about that of looking at every triangle three times plus that of the samples the tree covers; well under
-/// a second for 350,000 triangles on 900 by 900 pixels. Memory: about 40 MB, 12 bytes a vertex (24 of instances), 24
-/// bytes a triangle.
+/// a second for 350,000 triangles on 900 by 900 pixels. Memory: about 40 MB, 12 bytes per vertex (24 of
+/// instances), 24 bytes per triangle.
 ///
 /// ```
 /// use treesynth::{Skeleton, glam::Vec3, preview::Preview, surface::Tubes};
@@ -141,22 +142,22 @@ pub struct Preview {
 }
 
 impl Preview {
-    /// What [`with_size`](Self::with_size) sets: width and height, pixels.
+    /// Width and height in pixels, from [`with_size`](Self::with_size).
     pub fn size(&self) -> (u32, u32) {
         (self.width, self.height)
     }
 
-    /// What [`with_ground`](Self::with_ground) sets.
+    /// `true` if the ground is shown, from [`with_ground`](Self::with_ground).
     pub fn ground(&self) -> bool {
         self.shows_ground
     }
 
-    /// What [`with_ground_color`](Self::with_ground_color) sets.
+    /// Colour of the ground, from [`with_ground_color`](Self::with_ground_color).
     pub fn ground_color(&self) -> Option<[f32; 3]> {
         self.ground
     }
 
-    /// What [`with_transparency`](Self::with_transparency) sets.
+    /// `true` if the background is transparent, from [`with_transparency`](Self::with_transparency).
     pub fn transparency(&self) -> bool {
         self.transparent
     }
@@ -195,13 +196,13 @@ impl Preview {
         self
     }
 
-    /// Samples a pixel in each direction, 1 to 8; default 3.
+    /// Samples per pixel in each direction, 1 to 8; default 3.
     pub fn with_supersampling(mut self, samples: u32) -> Self {
         self.supersampling = samples;
         self
     }
 
-    /// From where the picture is taken; default [`Camera::default`].
+    /// Camera; default [`Camera::default`].
     pub fn with_camera(mut self, camera: Camera) -> Self {
         self.camera = camera;
         self
@@ -219,7 +220,7 @@ impl Preview {
         self
     }
 
-    /// Whether there is a ground for the shadow to fall on; default true.
+    /// Shows a ground for the shadow to fall on; default true.
     pub fn with_ground(mut self, shown: bool) -> Self {
         self.shows_ground = shown;
         self
@@ -239,8 +240,8 @@ impl Preview {
         self
     }
 
-    /// Whether there is nothing where there is no tree, but its shadow: the picture gets an alpha channel, and
-    /// background and ground have no colour. Default false.
+    /// Leaves only the tree and its shadow: the picture gets an alpha channel, and background and
+    /// ground have no colour. Default false.
     pub fn with_transparency(mut self, transparent: bool) -> Self {
         self.transparent = transparent;
         self
@@ -341,9 +342,9 @@ impl Preview {
         Ok(picture)
     }
 
-    /// So many pictures from all around, each as [`draw_parts`](Self::draw_parts) has it; the first from where the
-    /// camera stands. All are framed alike, so that the tree turns in its place:
-    /// [`Picture::write_animation`] makes one file of them.
+    /// Pictures from all around, this many, each as from [`draw_parts`](Self::draw_parts); the
+    /// first from where the camera stands. All are framed alike, so that the tree turns in its
+    /// place: [`Picture::write_animation`] makes one file of them.
     ///
     /// # Errors
     /// Each picture's as of [`draw_parts`](Self::draw_parts).

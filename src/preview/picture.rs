@@ -11,8 +11,8 @@ pub(super) const LONGEST_SIDE: u32 = 16_384;
 /// Most pixels of a picture: 192 MiB.
 pub(super) const MOST_PIXELS: u64 = 1 << 26;
 
-/// An RGB picture with 8 bits a channel, sRGB, opaque unless it is drawn otherwise. x goes right, y goes down, (0, 0) is the upper left corner of the
-/// upper left pixel.
+/// An RGB picture with 8 bits per channel, sRGB, opaque unless it is drawn otherwise. x goes right, y goes
+/// down, (0, 0) is the upper left corner of the upper left pixel.
 ///
 /// Whatever is drawn outside is cut off.
 ///
@@ -32,7 +32,7 @@ pub struct Picture {
     width: u32,
     height: u32,
     pixels: Vec<[u8; 3]>,
-    /// One a pixel; none at all if everything is opaque.
+    /// One per pixel; none at all if everything is opaque.
     alpha: Vec<u8>,
 }
 
@@ -85,8 +85,8 @@ impl Picture {
             .then(|| self.pixels[y as usize * self.width as usize + x as usize])
     }
 
-    /// Lays `other` over this picture, its upper left corner at (`x`, `y`). Where `other` is opaque, so is what comes
-    /// out; where it is not, this picture's opacity stays.
+    /// Lays `other` over this picture, its upper left corner at (`x`, `y`). The result is opaque
+    /// where `other` is; elsewhere this picture's opacity stays.
     pub fn blit(&mut self, other: &Self, x: i32, y: i32) {
         let columns = clip(x, other.width, self.width);
         if columns.is_empty() {
@@ -131,7 +131,8 @@ impl Picture {
 
     /// Writes `text` with its upper left corner at (`x`, `y`), each dot of the 5 by 8 font `scale` pixels wide.
     ///
-    /// A character takes 6 dots, a line 10; `\n` starts a new line. What is not printable ASCII becomes a box.
+    /// A character takes 6 dots, a line 10; `\n` starts a new line. Other than printable ASCII, characters
+    /// become boxes.
     pub fn label(&mut self, text: &str, x: i32, y: i32, scale: u32, color: [u8; 3]) {
         for (column, row) in font::cells(text) {
             let at = |start: i32, cells: u32| {
@@ -226,8 +227,8 @@ impl Picture {
         write_frames(std::slice::from_ref(self), None, writer)
     }
 
-    /// Writes pictures of one size as one PNG file that shows them in turn for ever (APNG), each so many milliseconds
-    /// long. A program that knows no animation shows the first.
+    /// Writes pictures of one size as one PNG file that shows them in turn for ever (APNG), each
+    /// for this number of milliseconds. A program that knows no animation shows the first.
     ///
     /// # Errors
     /// No pictures, or such as differ in size or of which only some are transparent; whatever the writer returns.
@@ -285,7 +286,7 @@ pub(super) fn check_size(of: &str, width: u32, height: u32) -> Result<(), Parame
     let holds = sides.contains(&width)
         && sides.contains(&height)
         && u64::from(width) * u64::from(height) <= MOST_PIXELS;
-    let range = "1 to 16384 pixels a side and at most 67108864 pixels";
+    let range = "1 to 16384 pixels per side and at most 67108864 pixels";
     ParameterError::unless(holds, &format!("{of}.size"), (width, height), range)
 }
 

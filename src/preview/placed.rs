@@ -22,7 +22,7 @@ pub(super) struct Placed<'a> {
 }
 
 impl<'a> Placed<'a> {
-    /// All parts that have a triangle. What wears the same images shares them.
+    /// All parts that have a triangle. Parts with the same images share them.
     pub(super) fn all(parts: &[Part<'a>]) -> Vec<Self> {
         let mut wears: Vec<(&Textures, Arc<Wear<'a>>)> = Vec::new();
         let placed = parts.iter().filter(|part| part.triangles() > 0).map(|part| {

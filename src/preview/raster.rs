@@ -1,9 +1,10 @@
 //! Triangles and the samples they cover.
 //!
-//! A triangle is three corners of (column, row, nearness) in samples; a sample sits in the middle of its cell.
-//! What is narrower than a sample would be hit here and missed there, and a twig would break into dots. Such a
-//! triangle is *thin*: it is not sampled but strewn along its longest edge, with the area it has. How much of that area
-//! lies on top of other thin ones is counted on a finer grid of points.
+//! A triangle is three corners of (column, row, nearness) in samples; a sample sits in the middle
+//! of its cell. A triangle narrower than a sample would be hit here and missed there, and a twig
+//! would break into dots. Such a triangle is *thin*: it is not sampled but strewn along its longest
+//! edge, with the area it has. The part of that area on top of other thin ones is counted on a
+//! finer grid of points.
 
 use glam::{Vec2, Vec3, Vec3Swizzles};
 use std::ops::Range;
@@ -17,7 +18,7 @@ pub(super) fn double_area([a, b, c]: [Vec3; 3]) -> f32 {
     (b - a).xy().perp_dot((c - a).xy())
 }
 
-/// Whether a triangle's height over its longest edge is less than `width` samples.
+/// `true` if a triangle's height over its longest edge is less than `width` samples.
 #[inline]
 pub(super) fn is_thin(corners: [Vec3; 3], width: f32) -> bool {
     let [a, b, c] = corners.map(Vec3::xy);
@@ -236,7 +237,7 @@ mod tests {
         }
     }
 
-    /// Whether a place is beside the middle part of an edge.
+    /// `true` if a place is beside the middle part of an edge.
     fn inside_well(x: f32, y: f32, a: Vec3, b: Vec3) -> bool {
         let t = (Vec2::new(x, y) - a.xy()).dot((b - a).xy()) / (b - a).xy().length_squared();
         (0.1..=0.9).contains(&t)

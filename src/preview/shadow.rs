@@ -1,4 +1,4 @@
-//! What the sun sees.
+//! Shadow maps: visibility from the sun.
 //!
 //! Solid triangles go into a depth map (Williams 1978, filtered over a disc that widens with the distance of what
 //! casts the shadow, as a sun with an extent makes it); thin ones, of which the map would catch only some, into
@@ -31,7 +31,7 @@ pub(super) struct ShadowMap {
     right: Vec3,
     up: Vec3,
     sun: Vec3,
-    /// Column, row and nearness of the map's corner nearest the sun, and texels a metre.
+    /// Column, row and nearness of the map's corner nearest the sun, and texels per metre.
     corner: Vec3,
     scale: f32,
     depth: Vec<f32>,
@@ -171,7 +171,7 @@ impl ShadowMap {
         lit / TAPS as f32
     }
 
-    /// Whether the four texels around a place see the sun, weighted by how near they are.
+    /// Share of the four texels around a place that see the sun, weighted by their nearness.
     #[inline]
     fn lit(&self, at: Vec3, offset: Vec2, bias: f32) -> f32 {
         let place = (at.truncate() + offset - 0.5).clamp(Vec2::ZERO, Vec2::splat(SIDE as f32 - 2.5));

@@ -7,10 +7,10 @@ use std::f32::consts::LOG2_E;
 
 /// Most samples along the longer side of a pixel's footprint.
 const MOST_TAPS: f32 = 8.0;
-/// Places a side of the grid by which the covered part of a triangle is measured.
+/// Places per side of the grid that measures the covered part of a triangle.
 const SHARE_GRID: usize = 12;
 
-/// How many halvings a number is away from 1.
+/// Logarithm to the base 2, of at least 1e-12.
 fn log2(x: f32) -> f32 {
     math::ln(x.max(1e-12)) * LOG2_E
 }
@@ -28,7 +28,7 @@ pub(super) struct Footprint {
 struct Map<'a> {
     base: &'a Image,
     smaller: Vec<Image>,
-    /// Whether colours are sRGB.
+    /// `true` if colours are sRGB.
     is_color: bool,
 }
 
@@ -70,14 +70,14 @@ impl<'a> Map<'a> {
         between(between(a, b, near.across), between(c, d, near.across), near.down)
     }
 
-    /// The level in which something is so many halvings from the image, and how far it is to the next one.
+    /// The level this many halvings from the image, and the fraction of the way to the next one.
     #[inline]
     fn levels(&self, halvings: f32) -> (usize, f32) {
         let halvings = halvings.clamp(0.0, self.smaller.len() as f32);
         (halvings as usize, halvings - (halvings as usize) as f32)
     }
 
-    /// Between two levels, so many halvings from the image itself.
+    /// Between two levels, this many halvings from the image itself.
     fn trilinear(&self, halvings: f32, uv: Vec2, tables: &Tables) -> Vec4 {
         let (level, part) = self.levels(halvings);
         let near = self.bilinear(level, uv, tables);
@@ -108,7 +108,7 @@ impl<'a> Map<'a> {
 #[derive(Debug, Clone, Copy)]
 struct Near {
     starts: [usize; 4],
-    /// How far the place is from the left ones to the right ones, and from the upper to the lower.
+    /// Fraction of the way from the left ones to the right ones, and from the upper to the lower.
     across: f32,
     down: f32,
 }
@@ -158,7 +158,7 @@ pub(super) struct Wear<'a> {
     normal: Option<Map<'a>>,
     occlusion_roughness: Option<Map<'a>>,
     transmission: Option<Map<'a>>,
-    /// Below which alpha nothing is drawn; only with an image that has alpha.
+    /// Alpha below which nothing is drawn; only with an image that has alpha.
     cutoff: Option<f32>,
 }
 
@@ -203,7 +203,7 @@ impl<'a> Wear<'a> {
         self.cutoff.is_some()
     }
 
-    /// Whether there is something at a place, seen at so many halvings.
+    /// `true` if there is something at a place, seen at this many halvings.
     fn is_there(&self, uv: Vec2, halvings: f32) -> bool {
         let (Some(map), Some(cutoff)) = (&self.color, self.cutoff) else { return true };
         let (level, part) = map.levels(halvings);
@@ -262,7 +262,7 @@ pub(super) struct Cutout<'a> {
 }
 
 impl Cutout<'_> {
-    /// Whether there is something at a column and row.
+    /// `true` if there is something at a column and row.
     #[inline]
     pub(super) fn is_there(&self, x: f32, y: f32) -> bool {
         self.flat.uv(x, y, true).is_none_or(|uv| self.wear.is_there(uv, self.halvings))

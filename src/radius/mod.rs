@@ -8,7 +8,7 @@
 //! | [`Stout`] | any other model, and no branch thinner than a share of its length |
 //!
 //! The first two are section 3.2, equation 2 and section 5 of the paper on variational tree synthesis;
-//! [`structure_energy`] is its equation 5, what such a tree costs.
+//! [`structure_energy`] is its equation 5, the cost of such a tree.
 
 mod energy;
 mod pipe;
@@ -111,7 +111,7 @@ macro_rules! forward {
 
 forward!(&T, Box<T>, Arc<T>);
 
-/// Why a model gives no radii, or why some radii break the [contract](RadiusModel).
+/// Error of computing radii, or of radii that break the [contract](RadiusModel).
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum RadiusError {

@@ -79,7 +79,7 @@ mod tests {
         let radii = Stout::new(thin, 0.1).radii(&y_fork()?)?;
         let wanted = [0.05 * (1.0 + arm), 0.05 * (1.0 + arm), 0.05 * arm, 0.05 * arm];
         assert!(radii.iter().zip(wanted).all(|(radius, wanted)| (radius - wanted).abs() < 1e-6), "{radii:?}");
-        // What is thick enough stays.
+        // Wood that is thick enough stays as it is.
         let thick = PipeModel::default().with_tip_diameter(0.4);
         assert_eq!(Stout::new(thick, 0.1).radii(&y_fork()?)?, thick.radii(&y_fork()?)?);
         assert_eq!(Stout::new(thin, 1.0).radii(&chain(1)?)?, [5e-5]);

@@ -101,9 +101,9 @@ impl Variational {
         self
     }
 
-    /// Sets the least area of a [guided](Self::guided) tip as a share of the mean area a tip, in [0, 1]; 0.1 by
-    /// default, our choice: tips that no sample is nearest to are there all the same. 0 leaves those without
-    /// thickness; 1 lets only tips above the mean differ. The raised areas add to the total.
+    /// Sets the least area of a [guided](Self::guided) tip as a share of the mean area per tip, in [0, 1];
+    /// 0.1 by default, our choice: tips that no sample is nearest to are there all the same. 0 leaves those
+    /// without thickness; 1 lets only tips above the mean differ. The raised areas add to the total.
     pub fn with_minimum_share(mut self, share: f32) -> Self {
         self.minimum_share = share;
         self

@@ -8,7 +8,7 @@ use glam::Vec3;
 const CELL: f32 = 0.25;
 /// Greatest slope of ground, metres per metre.
 const STEEP: f32 = 0.6;
-/// Points so near to the lowest surface are ground, metres.
+/// Largest distance of the ground's points from the lowest surface, metres.
 const THICK: f32 = 0.12;
 /// Cells with ground that make a ground: 1.5 square metres, more than any trunk's base.
 const CELLS: usize = 24;
@@ -27,7 +27,7 @@ fn lowest(points: &[Vec3]) -> BTreeMap<Cell, f32> {
     cells.map(|cell| (cell[0].0, cell[(cell.len() / 50).max(2)].1)).collect()
 }
 
-/// The lowest surface below some points that is nowhere steeper than a slope: as a height a cell.
+/// The lowest surface below some points that is nowhere steeper than a slope: as one height per cell.
 fn surface(mut lowest: BTreeMap<Cell, f32>) -> BTreeMap<Cell, f32> {
     // The lowest cell first; each may lift its neighbours' bound by a step, as in Dijkstra's algorithm.
     let mut queue: std::collections::BinaryHeap<std::cmp::Reverse<(u32, Cell)>> =

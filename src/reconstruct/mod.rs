@@ -86,7 +86,7 @@ pub struct Reconstruction {
     pub side: f32,
 }
 
-/// Why there is no tree.
+/// Error of reconstructing a tree.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum ReconstructError {
@@ -186,7 +186,7 @@ impl Reconstruct {
         self
     }
 
-    /// Whether points of the ground are searched for and left out; default true.
+    /// Searches for points of the ground and leaves them out; default true.
     pub fn with_ground(mut self, is_looked_for: bool) -> Self {
         self.has_ground = is_looked_for;
         self

@@ -1,4 +1,4 @@
-//! The graph of the nodes: neighbours, bridges over gaps, and what the search thinks of its edges.
+//! The graph of the nodes: neighbours, bridges over gaps, and the cost of edges.
 
 use std::num::NonZeroUsize;
 
@@ -66,7 +66,7 @@ pub(super) fn edges(nodes: &Nodes) -> Vec<(u32, u32)> {
     edges
 }
 
-/// Nodes that a bridge is looked for to, from each node.
+/// Number of nodes around each node to which a bridge is tried.
 const LOOKED: usize = 6;
 /// Bridges of each part at one time.
 const BRIDGES: usize = 2;

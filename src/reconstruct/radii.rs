@@ -1,4 +1,5 @@
-//! Radii of rings: measured by cylinders where points suffice, else by what this tree's limbs have for what they bear.
+//! Radii of rings: measured by cylinders where points suffice, else from the length that the limb
+//! bears, as measured on this tree's limbs.
 
 use glam::Vec3;
 
@@ -177,7 +178,7 @@ impl Allometry {
         Self(known)
     }
 
-    /// The radius of a limb that bears so much, metres.
+    /// The radius of a limb that bears this length of wood, metres.
     fn radius(&self, borne: f32) -> f32 {
         let length = math::ln(borne);
         let next = self.0.partition_point(|known| known.0 < length);
@@ -195,7 +196,7 @@ impl Allometry {
     }
 }
 
-/// Leaves out what is off the median of the seven around it by more than a third.
+/// Leaves out ratios that are off the median of the seven around them by more than a third.
 fn without_outliers(ratios: &mut [Option<(f32, f32)>]) {
     let known: Vec<(usize, f32)> =
         ratios.iter().enumerate().filter_map(|(i, ratio)| ratio.map(|ratio| (i, ratio.0))).collect();

@@ -92,7 +92,7 @@ impl Truth {
     pub const GROUND: u32 = u32::MAX;
 }
 
-/// Why there is no scan.
+/// Error of scanning a scene.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum ScanError {

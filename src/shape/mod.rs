@@ -1,4 +1,4 @@
-//! WHERE a tree may grow.
+//! Regions in which a tree may grow.
 //!
 //! A [`Shape`] says which points it holds. The simple ones are [`Cuboid`], [`Sphere`], [`Ellipsoid`],
 //! [`HalfEllipsoid`], [`Cone`] and [`Cylinder`]; [`Shell`] keeps the rind of another, [`Union`],

@@ -1,4 +1,4 @@
-//! The hinge: what every synthesizer ends in and everything else starts from.
+//! The skeleton of a tree: every synthesizer ends in it, and everything else starts from it.
 
 mod branch;
 mod relax;
@@ -41,7 +41,7 @@ pub struct Skeleton {
     hops: Vec<u32>,
 }
 
-/// Why some data is not a skeleton.
+/// Error of making a skeleton.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum SkeletonError {
@@ -154,7 +154,7 @@ impl Skeleton {
     /// Moves the nodes (metres); the branching and all numbers stay.
     ///
     /// # Errors
-    /// When there is not one position a node, or one is not finite.
+    /// When there is not one position per node, or one is not finite.
     pub fn with_positions(mut self, positions: Vec<Vec3>) -> Result<Self, SkeletonError> {
         same_length("positions", positions.len(), self.len())?;
         self.positions = positions;
@@ -165,7 +165,7 @@ impl Skeleton {
     /// Sets the radius (metres) of every node's internode, the way from its parent to it.
     ///
     /// # Errors
-    /// When there is not one radius a node, or one is negative, NaN or infinite.
+    /// When there is not one radius per node, or one is negative, NaN or infinite.
     pub fn with_radii(mut self, radii: Vec<f32>) -> Result<Self, SkeletonError> {
         same_length("radii", radii.len(), self.len())?;
         self.radii = radii;
@@ -177,7 +177,7 @@ impl Skeleton {
     /// [orders](Self::orders) anew, since the axis of an earlier stage goes before that of a later one.
     ///
     /// # Errors
-    /// When there is not one stage a node.
+    /// When there is not one stage per node.
     pub fn with_stages(mut self, stages: Vec<u16>) -> Result<Self, SkeletonError> {
         same_length("stages", stages.len(), self.len())?;
         self.stages = stages;
@@ -203,8 +203,8 @@ impl Skeleton {
     /// ```
     ///
     /// # Errors
-    /// When there is not one order a node, the root's is not 0, one is neither its parent's nor one more, or two
-    /// children have their parent's.
+    /// When there is not one order per node, the root's is not 0, one is neither its parent's nor one more,
+    /// or two children have their parent's.
     pub fn with_orders(mut self, orders: Vec<u16>) -> Result<Self, SkeletonError> {
         same_length("orders", orders.len(), self.len())?;
         branch::check_orders(&self, &orders)?;

@@ -13,11 +13,11 @@ use crate::math;
 use glam::Vec3;
 use std::f32::consts::TAU;
 
-/// Above so many usual diameters, laterals stand farther apart.
+/// Above this number of usual diameters, laterals stand farther apart.
 const HUGE: f32 = 2.5;
 /// The part of a crown's height in which its leader bears shoots.
 const LEADER: f32 = 0.14;
-/// How deep below the ground the stems of one tree are joined, metres.
+/// Depth below the ground at which the stems of one tree are joined, metres.
 const STOOL: f32 = 0.06;
 /// Settings for the growth of one tree: the width of its outline, the density of its shoots.
 #[derive(Debug, Clone, Copy)]
@@ -45,7 +45,7 @@ pub(super) fn grow(species: &Species, plan: &Numbers, scale: Scale, seed: u64) -
         growing.limbs(stem, stems, draw.child(4, number), &mut limbs);
     }
     let unforked = limbs.len();
-    // What has forked may fork again.
+    // Limbs that have forked may fork again.
     let mut number = 0;
     while number < limbs.len() && growing.wood.positions.len() <= MOST_NODES {
         growing.forks(number, draw.child(6, number), &mut limbs);
@@ -228,7 +228,7 @@ impl Growing<'_> {
         }
     }
 
-    /// Branches or twigs along what bears them.
+    /// Branches or twigs along their parent branch.
     fn laterals(&mut self, axis: &Axis, table: &Laterals, bare: f32, rank: Rank, found: &mut Vec<Axis>) {
         if table.ratio <= 0.0 || axis.nodes.len() < 2 {
             return;
@@ -241,7 +241,7 @@ impl Growing<'_> {
         self.stations(axis, table.stand, spacing, bare, |this, node, direction, outward, share| {
             let mut draw = axis.draw.child(rank as u32, number);
             number += 1;
-            // What rises into the crown from below it is bare until it is there.
+            // Below the crown it is bare.
             if this.wood.at(node).y < bare_below {
                 return;
             }

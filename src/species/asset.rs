@@ -1,7 +1,7 @@
 //! A tree of a species as one ships it.
 
 use super::Specimen;
-use super::specimen::{FRESH, WEATHERED, linear};
+use super::bark_colors::{BarkColors, FRESH, WEATHERED, linear};
 use crate::asset::{Asset, AssetBuilder, AssetError};
 use crate::surface::{Material, Sway, Tubes};
 use crate::texture::{Bark, BarkKind};
@@ -15,7 +15,7 @@ impl Specimen {
     /// The bark of its species as images, the older the thicker the trunk is. Its mean colour is the lightest of trunk, limbs and twigs,
     /// channel by channel; the vertex colours of [`levels`](Self::levels) darken it to each of them.
     pub fn bark_texture(&self) -> Bark {
-        // What is left of long dead trees is the grain of their wood.
+        // Long dead trees show the grain of their wood.
         let wood = self.numbers.dead.is_some_and(|years| years > BARE);
         let age = 0.2 + 0.7 * (self.numbers.dbh / OLD).min(1.0);
         let bark = if wood {
@@ -33,9 +33,10 @@ impl Specimen {
         [0, 1, 2].map(|i| bark.trunk[i].max(bark.limbs[i]).max(bark.twigs[i]).max(wood[0][i]).max(wood[1][i]))
     }
 
-    /// Bark with images, leaves and cards in levels of detail, as [`AssetBuilder::levels`]: the finest has at most so many `triangles`
-    /// (`None` for all there are), the others these shares of them; images of `side` pixels, a power of two from 128 to 8192. No vertex
-    /// has wind: for that there is [`levels_in_wind`](Self::levels_in_wind).
+    /// Bark with images, leaves and cards in levels of detail, as [`AssetBuilder::levels`]: the
+    /// finest has at most `triangles` triangles (`None` for all there are), the others these shares
+    /// of them; images of `side` pixels, a power of two from 128 to 8192. No vertex has wind: for
+    /// that there is [`levels_in_wind`](Self::levels_in_wind).
     ///
     /// ```
     /// use treesynth::species;
@@ -94,10 +95,10 @@ impl Specimen {
             .with_leaf_size(Some((side / 4).clamp(32, 2048)));
         let mut levels =
             builder.levels_with(&self.rooted(), &self.foliage().cloned().collect::<Vec<_>>(), shares)?;
-        let lightest = linear(self.lightest());
+        let (colors, lightest) = (BarkColors::new(self), linear(self.lightest()));
         for level in &mut levels {
             let color = |node: u32, height: f32| {
-                let own = self.bark_color(node as usize, height);
+                let own = colors.at(node as usize, height);
                 [0, 1, 2].map(|i| (own[i] / lightest[i].max(1e-6)).clamp(0.0, 1.0))
             };
             for mesh in level.barks_mut() {

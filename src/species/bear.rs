@@ -1,11 +1,11 @@
 //! Blossom, catkins, fruit and cones on a tree, as they are on a day.
 
+use super::bark_colors::linear;
 use super::data::Species;
 use super::draw::Draw;
 use super::model;
 use super::organ::{Organ, OrganPlace};
 use super::request::Numbers;
-use super::specimen::linear;
 use crate::Skeleton;
 use crate::foliage::Leaves;
 use crate::math::{self, UP, perpendicular};
@@ -90,13 +90,14 @@ fn sort(
     Some(Leaves { leaf: leaf.with_material(material), instances })
 }
 
-/// The size on a day of one that comes and falls at these parts of the time in which they do; none if it is not there.
+/// The size on a day of an organ that comes and falls at these parts of the times in which organs
+/// do; none if it is not there.
 fn grown(organ: &Organ, day: f32, [comes, falls]: [f32; 2]) -> Option<f32> {
     let [first, all, falling, last] = organ.days;
     let (from, to) = (first + (all - first) * comes, falling + (last - falling) * falls);
     let day = [day, day + YEAR].into_iter().find(|day| (from..to).contains(day))?;
     let open = ((day - from) / (0.5 * (all - first)).max(1.0)).clamp(0.0, 1.0);
-    // What is there all the time has long been grown.
+    // Organs without a time of opening are full-grown.
     Some(if all > first { FIRST + (1.0 - FIRST) * open } else { 1.0 })
 }
 

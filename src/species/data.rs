@@ -1,4 +1,4 @@
-//! What a species is: the numbers of its text file.
+//! Species as data: the numbers of their text files.
 
 use super::organ::Organ;
 use super::text::Choice;
@@ -40,8 +40,8 @@ pub struct Species {
     pub organs: Vec<Organ>,
 }
 
-/// How large a species gets. Values "at" two trunks are for diameters of 20 and 40 cm at 1.3 m; in between and beyond
-/// they follow a power of the diameter.
+/// Size of a species. Values "at" two trunks are for diameters of 20 and 40 cm at 1.3 m; in between
+/// and beyond they follow a power of the diameter.
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize))]
 #[non_exhaustive]
@@ -89,7 +89,7 @@ impl Default for Size {
 pub struct Trunk {
     /// Stems from the ground: fewest and most.
     pub stems: [f32; 2],
-    /// Up to which part of the height there is one stem; 1 for a leader to the very top.
+    /// Share of the height up to which there is one stem; 1 for a leader to the very top.
     pub leader: f32,
     /// Limbs into which it divides where the leader ends: fewest and most.
     pub forks: [f32; 2],
@@ -187,7 +187,7 @@ pub struct Limbs {
     pub forks_angle: f32,
     /// Greatest radius of a limb over that of its stem.
     pub thickest: f32,
-    /// Dead limbs a metre of stem below the crown: in the open, and crowded in a stand.
+    /// Dead limbs per metre of stem below the crown: in the open, and crowded in a stand.
     pub dead: [f32; 2],
 }
 
@@ -249,13 +249,14 @@ impl Choice for Stand {
 pub struct Laterals {
     /// Arrangement.
     pub stand: Stand,
-    /// Distance of one from the next along the branch that bears them, metres.
+    /// Distance of one from the next along their parent branch, metres.
     pub spacing: f32,
-    /// Angle to the branch that bears them, degrees.
+    /// Angle to their parent branch, degrees.
     pub angle: f32,
     /// Spread of that angle, degrees.
     pub angle_spread: f32,
-    /// Length over the length of the bearing branch, for the longest; those nearer its end are shorter.
+    /// Length over the length of the parent branch, for the longest; those nearer its end are
+    /// shorter.
     pub ratio: f32,
     /// Least and greatest length, metres.
     pub length: [f32; 2],
@@ -308,7 +309,7 @@ pub struct Shoots {
     pub short_length: f32,
     /// Distance of one from the next, metres.
     pub spacing: f32,
-    /// Angle to what bears them, degrees.
+    /// Angle to their parent branch, degrees.
     pub angle: f32,
     /// As [`Laterals::rise`].
     pub rise: f32,
@@ -413,7 +414,7 @@ pub struct LeafData {
     pub turn: f32,
     /// Random deviation of each, radians.
     pub disorder: f32,
-    /// Whether they stay over the winter.
+    /// `true` if leaves stay over the winter.
     pub evergreen: bool,
     /// Colour in summer, sRGB.
     pub summer: [f32; 3],
@@ -515,16 +516,19 @@ pub struct BarkData {
     pub limbs: [f32; 3],
     /// Colour of twigs, sRGB.
     pub twigs: [f32; 3],
-    /// Colour of an old trunk's foot, up to a height of three of its diameters, sRGB: birches turn black there. 0, 0, 0: the trunk's.
+    /// Colour of an old trunk's base, up to a height of three of its diameters, sRGB: birches turn
+    /// black there. 0, 0, 0: the trunk's.
     pub foot: [f32; 3],
-    /// Side of the tile of images, metres: what is on it (ridges, plates, lenticels) grows with it. 0: the kind's own.
+    /// Side of the tile of images, metres: ridges, plates and lenticels grow with it. 0: the kind's
+    /// own.
     pub tile: f32,
     /// Depth of the oldest bark, metres, at most a quarter of the tile. 0: the kind's own.
     pub depth: f32,
-    /// Colours of the outer surface, of what is deep, and of what is special (lenticels, fresh flakes, lichen), sRGB: what counts
-    /// is how they differ, for their mean becomes that of the trunk. All 0: the kind's own.
+    /// Colours of the outer surface, of hollows, and of special parts (lenticels, fresh flakes,
+    /// lichen), sRGB: only their differences count, for their mean becomes that of the trunk. All
+    /// 0: the kind's own.
     pub palette: [f32; 9],
-    /// How far the colours are from their mean, 0 (all the same) to 2; 1: as in the palette.
+    /// Spread of the colours about their mean, 0 (all the same) to 2; 1: as in the palette.
     pub spread: f32,
 }
 

@@ -1,4 +1,5 @@
-//! What breaks: limbs in a winter storm, and everything in turn on a tree that is dead; dead limbs below the crown.
+//! Damage: limbs that break in a winter storm, everything in turn on a dead tree, and dead limbs
+//! below the crown.
 
 use super::data::Species;
 use super::draw::Draw;
@@ -12,9 +13,9 @@ use std::f32::consts::TAU;
 /// Years after which axes of a rank are broken off, from the first to the last: limbs, branches, twigs, shoots. General
 /// knowledge of standing dead wood: twigs within some years, limbs over decades.
 const LIVES: [[f32; 2]; 4] = [[6.0, 55.0], [3.0, 24.0], [1.0, 9.0], [0.3, 4.0]];
-/// Where along them, parts of their length.
+/// Places of the break along them, as parts of their length.
 const STUBS: [[f32; 2]; 4] = [[0.12, 0.7], [0.08, 0.6], [0.0, 0.5], [0.0, 0.0]];
-/// What a storm breaks, beside the limbs: of branches, twigs and shoots.
+/// Breakage in a storm relative to that of limbs: limbs, branches, twigs, shoots.
 const STORM: [f32; 4] = [1.0, 0.5, 0.25, 0.15];
 /// Years from which the top of a dead stem breaks, and in which it comes down to half of its height.
 const TOP: [f32; 2] = [4.0, 40.0];
@@ -80,7 +81,7 @@ impl Axes {
     }
 }
 
-/// Breaks what the plan says; gives the new number of each node, `u32::MAX` for what is gone.
+/// Breaks what the plan says; gives the new number of each node, `u32::MAX` for nodes that are gone.
 pub(super) fn wreck(timber: &mut Timber, plan: &Numbers, seed: u64) -> Vec<u32> {
     let draw = Draw::new(seed).child(50, 0);
     let count = timber.radii.len();
@@ -117,7 +118,7 @@ pub(super) fn wreck(timber: &mut Timber, plan: &Numbers, seed: u64) -> Vec<u32> 
     number
 }
 
-/// How much of an axis stands, metres.
+/// Length of an axis that still stands, metres.
 fn left(wood: &Wood, plan: &Numbers, draw: &Draw, start: usize, length: f32) -> f32 {
     let mut draw = draw.child(1, start);
     let (storm, where_, life, stub) = (draw.unit(), draw.unit(), draw.unit(), draw.unit());
@@ -151,7 +152,7 @@ fn left(wood: &Wood, plan: &Numbers, draw: &Draw, start: usize, length: f32) -> 
     share * length
 }
 
-/// How bare a dead tree is at a place.
+/// Share of the bark that a dead tree has lost at a place, 0 to 1.
 fn bark_lost(place: Vec3, years: f32, seed: u64) -> f32 {
     let lost = ((years - BARK[0]) / (BARK[1] - BARK[0])).clamp(0.0, 1.0);
     let cell = (place / Vec3::new(PATCH, 2.5 * PATCH, PATCH)).floor().as_ivec3();

@@ -3,7 +3,7 @@
 use crate::math;
 use crate::random::{self, Purpose};
 
-/// The numbers of one axis: its key is made from that of the bearing axis and its number there.
+/// The numbers of one axis: its key is made from that of the parent axis and its number there.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Draw {
     key: u64,

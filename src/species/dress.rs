@@ -55,7 +55,8 @@ fn foliage(species: &Species, enlarged: f32) -> Foliage {
         .with_disorder(data.disorder)
 }
 
-/// About how many leaves make so many square metres; of a huge tree at most so many as are drawn.
+/// Approximate number of leaves of this total area in square metres; of a huge tree at most as many
+/// as are drawn.
 pub(super) fn wanted(species: &Species, area: f32) -> f32 {
     natural(species, area).min(MOST_LEAVES)
 }
@@ -119,7 +120,7 @@ fn color(data: &LeafData, now: Season, leaves: &mut Leaves, seed: u64) {
         .instances
         .iter()
         .map(|leaf| {
-            // By its place, which it keeps while others fall.
+            // A leaf's random numbers come from its place, which it keeps while others fall.
             let [x, y, z] = leaf.position.to_array().map(|at| u64::from(at.to_bits()));
             let place = (x << 32 | z) ^ y.rotate_left(17);
             // Leaves of one shoot turn together, more or less.

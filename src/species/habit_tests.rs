@@ -1,4 +1,4 @@
-//! What every tree of every species must look like, over many seeds.
+//! Properties of every tree of every species, over many seeds.
 
 use super::{LeafShape, Trunk, all};
 use crate::Skeleton;
@@ -243,7 +243,7 @@ fn organs_are_fixed_to_their_twigs() -> Result<(), Box<dyn Error>> {
     Ok(())
 }
 
-/// What hangs on a bare tree hangs on wood that is drawn, within a budget too.
+/// Organs on a bare tree hang on wood that is drawn, within a budget too.
 #[cfg(feature = "texture")]
 #[test]
 fn winter_fruit_hangs_on_wood_that_is_drawn() -> Result<(), Box<dyn Error>> {

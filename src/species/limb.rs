@@ -7,9 +7,9 @@ use crate::math;
 use glam::Vec3;
 use std::f32::consts::PI;
 
-/// Where a limb forks, as parts of its way.
+/// Range of the places at which a limb forks, as parts of its way.
 const FORK: [f32; 2] = [0.22, 0.62];
-/// How often what has forked forks again.
+/// Highest order of a limb that forks.
 const FORKINGS: u16 = 3;
 /// The part of its way to the crown's outline that a fork must have, as a share of the crown's radius.
 const SHORTEST_FORK: f32 = 0.3;

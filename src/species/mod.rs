@@ -1,8 +1,8 @@
 //! Trees by name: species as data, grown to the height, trunk or age that is asked for.
 //!
-//! [`by_name`] finds a species, [`Species::request`] says what is wished for, [`Request::grow`] gives a [`Specimen`]:
-//! skeleton, radii, leaves and the numbers behind them. A species is a text ([`Species::parse`]); `docs/species.md`
-//! explains how to write one's own.
+//! [`by_name`] finds a species, [`Species::request`] begins a request, [`Request::grow`] gives a
+//! [`Specimen`]: skeleton, radii, leaves and the numbers behind them. A species is a text
+//! ([`Species::parse`]); `docs/species.md` explains how to write one's own.
 //!
 //! ```
 //! use treesynth::species;
@@ -19,6 +19,7 @@ mod architecture;
 mod asset;
 #[cfg(feature = "texture")]
 mod bark;
+mod bark_colors;
 mod bear;
 mod data;
 mod decay;
@@ -60,14 +61,14 @@ pub use text::SpeciesTextError;
 use crate::foliage::FoliageError;
 use crate::{ParameterError, SkeletonError};
 
-/// Why there is no tree.
+/// Error of growing a tree of a species.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum SpeciesError {
-    /// A wish that the species cannot meet.
+    /// A request that the species cannot meet.
     #[error(transparent)]
     Wish(#[from] ParameterError),
-    /// Its data make a skeleton that is none.
+    /// Its data make an invalid skeleton.
     #[error(transparent)]
     Skeleton(#[from] SkeletonError),
     /// Its data make leaves that cannot be placed.
@@ -86,7 +87,7 @@ pub enum SpeciesError {
         field: &'static str,
         /// Its value, in the unit of the field.
         value: f32,
-        /// How to change it: `greater` or `less`.
+        /// Direction of the change that is needed: `greater` or `less`.
         change: &'static str,
     },
 }

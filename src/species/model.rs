@@ -1,4 +1,4 @@
-//! What organs are drawn with: flowers, catkins, fruit and cones of few triangles, 1 long and 1 wide at most.
+//! Models of organs: flowers, catkins, fruit and cones of few triangles, 1 long and 1 wide at most.
 
 use super::organ::{Organ, OrganKind};
 use crate::foliage::Leaf;
@@ -14,7 +14,7 @@ const GREEN: [f32; 3] = [0.32, 0.42, 0.16];
 const YELLOW: [f32; 3] = [0.95, 0.72, 0.3];
 const DARK: [f32; 3] = [0.55, 0.5, 0.45];
 
-/// The organ as a leaf: its foot at the origin, its length along +Y.
+/// The organ as a leaf: its base at the origin, its length along +Y.
 pub(super) fn organ(data: &Organ) -> Leaf {
     let mut model = Model::default();
     match data.kind {

@@ -1,4 +1,4 @@
-//! What a species bears besides leaves: blossom, catkins, fruit and cones, as data.
+//! Organs of a species besides leaves: blossom, catkins, fruit and cones, as data.
 
 use super::text::{Choice, Fields};
 
@@ -42,7 +42,7 @@ impl Choice for OrganKind {
     ];
 }
 
-/// Where organs stand.
+/// Places of organs on a tree.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize))]
 #[non_exhaustive]
@@ -73,7 +73,7 @@ impl Choice for OrganPlace {
 #[cfg_attr(feature = "serde", derive(serde::Serialize))]
 #[non_exhaustive]
 pub struct Organ {
-    /// What it looks like.
+    /// The form with which it is drawn.
     pub kind: OrganKind,
     /// Its place on the shoots.
     pub place: OrganPlace,
@@ -83,11 +83,12 @@ pub struct Organ {
     pub spacing: f32,
     /// Organs at one place: fewest and most, 1 to 200.
     pub bunch: [f32; 2],
-    /// Where in the crown it is borne: parts of the way from the crown's base to its top, 0 to 1.
+    /// Range of heights in the crown at which it is borne: parts of the way from the crown's base
+    /// to its top, 0 to 1.
     pub heights: [f32; 2],
     /// Its length, metres, 0.001 to 2.
     pub size: f32,
-    /// By which part single ones are larger or smaller, 0 to 0.9.
+    /// Largest deviation of single ones from this size, as a part of it, 0 to 0.9.
     pub variation: f32,
     /// Its greatest width over its length, 0.02 to 4.
     pub width: f32,
@@ -95,7 +96,8 @@ pub struct Organ {
     pub stalk: f32,
     /// Angle to the shoot, degrees, 0 to 180.
     pub angle: f32,
-    /// How far it rises, or, if negative, hangs, -10 to 10; as [`Foliage::with_rise`](crate::foliage::Foliage::with_rise).
+    /// Upward tendency, or, if negative, downward, -10 to 10; as
+    /// [`Foliage::with_rise`](crate::foliage::Foliage::with_rise).
     pub rise: f32,
     /// Two colours between which single ones vary, sRGB.
     pub colors: [f32; 6],

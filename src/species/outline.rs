@@ -76,7 +76,8 @@ impl Outline {
         while way < most {
             let next = (way + step).min(most);
             let point = from + direction * next;
-            // What begins outside may still come in: near a slender top the stem itself is out of the outline.
+            // A way that begins outside may still come in: near a slender top the stem itself is
+            // out of the outline.
             if self.is_outside(point, 1.0) {
                 return way;
             }

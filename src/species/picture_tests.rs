@@ -1,4 +1,4 @@
-//! What pictures of species show, whatever their size.
+//! Properties of pictures of species, at every size.
 
 use super::by_name;
 use crate::asset::Likeness;

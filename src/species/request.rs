@@ -1,4 +1,4 @@
-//! What a caller asks of a species, and what follows from it.
+//! Requests for a tree of a species, and the numbers that follow from them.
 
 use super::data::Species;
 use super::draw::Draw;
@@ -6,7 +6,7 @@ use super::{SpeciesError, Specimen};
 use crate::ParameterError;
 use crate::math;
 
-/// A tree that is wished for. What is not said follows from the species' allometry with its natural spread.
+/// Request for a tree. Values that are not given follow from the species' allometry with its natural spread.
 ///
 /// ```
 /// use treesynth::species;
@@ -76,10 +76,10 @@ impl Species {
     }
 }
 
-/// Trunks of which the sizes in the data are told, metres.
+/// Diameters of trunks for which the data give sizes, metres.
 const TRUNKS: [f32; 2] = [0.2, 0.4];
 
-/// Trees whose diameter at 1.3 m is asked for are at least so tall, metres.
+/// Least height of a tree whose diameter at 1.3 m is asked for, metres.
 const LOWEST: f32 = 1.6;
 
 /// Power of the height by which the trunk of a tree above usual height is thicker.
@@ -121,8 +121,9 @@ impl<'a> Request<'a> {
         self
     }
 
-    /// In a stand of such trees, so many metres from one to the next: a crown that is narrower and begins higher, on a
-    /// thinner trunk. Wider than the crown grows in the open, it changes nothing.
+    /// Grows in a stand of such trees, `spacing` metres from one to the next: a crown that is
+    /// narrower and begins higher, on a thinner trunk. Wider than the crown grows in the open, it
+    /// changes nothing.
     pub fn in_a_stand(mut self, spacing: f32) -> Self {
         self.spacing = Some(spacing);
         self
@@ -134,9 +135,10 @@ impl<'a> Request<'a> {
         self
     }
 
-    /// A snag: so many years dead, 0 to 80. Leaves are gone (evergreens drop theirs, brown, over two years), then shoots,
-    /// twigs, branches and limbs break off one after the other, each to a stub with splinters, the top from the fourth year on;
-    /// bark falls in patches from the second year, wood turns grey. Default: it lives.
+    /// A snag, dead for this number of years, 0 to 80. Leaves are gone (evergreens drop theirs,
+    /// brown, over two years), then shoots, twigs, branches and limbs break off one after the
+    /// other, each to a stub with splinters, the top from the fourth year on; bark falls in patches
+    /// from the second year, wood turns grey. Default: it lives.
     pub fn with_years_dead(mut self, years: f32) -> Self {
         self.dead = Some(years);
         self
@@ -168,7 +170,7 @@ impl<'a> Request<'a> {
     /// The tree. Same request, same bits.
     ///
     /// # Errors
-    /// A wish that the species cannot meet, with the range that it can.
+    /// A request that the species cannot meet, with the range that it can.
     pub fn grow(&self) -> Result<Specimen, SpeciesError> {
         super::specimen::grow(self.species, self.plan()?, self.dbh, self.seed)
     }
@@ -225,7 +227,7 @@ impl<'a> Request<'a> {
         };
         let [slowest, fastest] = size.slenderness;
         if let (Some(dbh), Some(_)) = (self.dbh, self.height) {
-            // So thin a trunk is of a tree that is too low to be measured at 1.3 m.
+            // A trunk this thin belongs to a tree that is too low to be measured at 1.3 m.
             let [low, high] = [LOWEST / fastest, size.diameter[1]];
             let holds = dbh >= low;
             unless(

@@ -1,4 +1,4 @@
-//! The bases of roots, which spread from the foot of a trunk and go into the ground.
+//! The bases of roots, which spread from the base of a trunk and go into the ground.
 
 use super::Specimen;
 use super::draw::Draw;

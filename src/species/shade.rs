@@ -1,13 +1,13 @@
-//! Shoots in the deepest shade die, and with them what bears nothing else.
+//! Shoots in the deepest shade die, and with them the wood that bears nothing else.
 
 use super::draw::Draw;
 use super::wood::{Rank, Wood};
 use glam::Vec3;
 
-/// How much of a layer's shade reaches the next lower one.
+/// Share of a layer's shade that reaches the next lower one.
 const THROUGH: f32 = 0.82;
 
-/// A limb needs this part of the usual number of shoots a metre.
+/// A limb needs this part of the usual number of shoots per metre.
 const STARVED: f32 = 0.25;
 
 /// The tree without the shadiest part of its shoots.

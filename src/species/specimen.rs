@@ -2,6 +2,7 @@
 
 use super::SpeciesError;
 use super::architecture::{self, Scale};
+use super::bark_colors::BarkColors;
 use super::bear;
 use super::data::Species;
 use super::decay::{self, Timber};
@@ -27,14 +28,14 @@ pub struct Specimen {
     pub skeleton: Skeleton,
     /// Its leaves on that day, each in its tone; none in winter.
     pub leaves: Option<Leaves>,
-    /// Its blossom, catkins, fruit and cones on that day, one entry a sort that is there.
+    /// Its blossom, catkins, fruit and cones on that day, one entry per sort that is there.
     pub organs: Vec<Leaves>,
     /// The numbers it was grown by, with those that are measured on it.
     pub numbers: Numbers,
     /// The seed.
     pub seed: u64,
-    /// How bare of bark it is at each node, 0 to 1.
-    bare: Vec<f32>,
+    /// Share of bark that is missing at each node, 0 to 1.
+    pub(super) bare: Vec<f32>,
 }
 
 impl Specimen {
@@ -55,65 +56,20 @@ impl Specimen {
     /// As [`Tubes::mesh`].
     pub fn bark_mesh(&self, tubes: &Tubes) -> Result<Mesh, SurfaceError> {
         let mut mesh = tubes.clone().with_wind(true).mesh(&self.rooted())?;
+        let colors = BarkColors::new(self);
         let places = mesh.wind.iter().zip(&mesh.positions);
-        mesh.colors = places.map(|(wind, place)| self.bark_color(wind.node as usize, place.y)).collect();
+        mesh.colors = places.map(|(wind, place)| colors.at(wind.node as usize, place.y)).collect();
         mesh.wind = Vec::new();
         Ok(mesh)
     }
-
-    /// The linear colour of the bark around a node's internode, by its radius, at a height above the ground.
-    pub(super) fn bark_color(&self, node: usize, height: f32) -> [f32; 3] {
-        let bark = &self.species.bark;
-        let [trunk, limbs, twigs] = [bark.trunk, bark.limbs, bark.twigs].map(linear);
-        let smooth = |t: f32| {
-            let t = t.clamp(0.0, 1.0);
-            t * t * (3.0 - 2.0 * t)
-        };
-        // Roots wear the bark of the trunk's base.
-        let node = if node < self.skeleton.len() { node } else { 0 };
-        let (half, radius) = (0.5 * self.numbers.dbh, self.skeleton.radii()[node]);
-        let old = smooth((radius / half - 0.45) / 0.35);
-        // Old trunks are rough and dark at the foot.
-        let foot = if bark.foot.iter().any(|&channel| channel > 0.0) { linear(bark.foot) } else { trunk };
-        let low = 1.0 - smooth(height / (FOOT * self.numbers.dbh).max(0.01));
-        let low = low * smooth((self.numbers.dbh - 0.08) / 0.2);
-        let trunk = [0, 1, 2].map(|i| trunk[i] + (foot[i] - trunk[i]) * low);
-        let young = 1.0 - smooth((radius - 0.004) / (0.1 * half).clamp(0.004, 0.02));
-        let bark = [0, 1, 2].map(|i| {
-            let wood = limbs[i] + (trunk[i] - limbs[i]) * old;
-            wood + (twigs[i] - wood) * young
-        });
-        // Dead bark fades; wood is yellow when it breaks, and grey after years.
-        let years = self.numbers.dead.unwrap_or(0.0);
-        let mix = |a: [f32; 3], b: [f32; 3], t: f32| [0, 1, 2].map(|i| a[i] + (b[i] - a[i]) * t);
-        let gray = linear(WEATHERED);
-        let wood = mix(linear(FRESH), gray, (years / 6.0).min(1.0));
-        let wood = if self.numbers.dead.is_none() && self.numbers.damage <= 0.0 { gray } else { wood };
-        mix(
-            mix(bark, gray, 0.45 * (years / 15.0).min(1.0)),
-            wood,
-            self.bare.get(node).copied().unwrap_or(0.0),
-        )
-    }
 }
 
-pub(super) fn linear(encoded: [f32; 3]) -> [f32; 3] {
-    encoded.map(|channel| math::linear(channel / 255.0))
-}
-
-/// Height of a trunk's foot, in its diameters.
-const FOOT: f32 = 3.0;
-
-/// Wood where it has just broken, and after years in the weather, sRGB.
-pub(super) const FRESH: [f32; 3] = [204.0, 172.0, 124.0];
-pub(super) const WEATHERED: [f32; 3] = [150.0, 144.0, 134.0];
-
-/// How often a tree is grown until its crown is as wide as wished for.
+/// Most times that a tree is grown again to get the crown width that was asked for.
 const TRIALS: usize = 3;
 
 /// More leaves than these have no room in memory at the spacing of the species.
 const MOST_LEAVES: usize = 4_000_000;
-/// By which part a diameter that was asked for may be missed.
+/// Largest deviation from a diameter that was asked for, as a part of it.
 const OFF: f32 = 0.02;
 
 pub(super) fn grow(
@@ -142,7 +98,7 @@ pub(super) fn grow(
         let (species, what, most) = (species.name.clone(), "leaves", MOST_LEAVES);
         return Err(SpeciesError::TooMany { species, what, most, field, value, change });
     }
-    // To the height wished for, exactly.
+    // To the height asked for, exactly.
     let factor = plan.height / height(&wood);
     for position in &mut wood.positions {
         *position *= factor;
@@ -164,7 +120,7 @@ pub(super) fn grow(
     let (mut dressed, area) = dress::dress(species, &whole, plan.leaf_area, plan.day, own)?;
     numbers.leaf_area = area;
     let mut organs = bear::bear(species, &whole, &numbers, own);
-    // What breaks and dies does so on the tree as it was.
+    // Breakage and death change the tree as it has grown.
     let mut timber = Timber::new(wood, radii);
     let number = decay::wreck(&mut timber, &numbers, own);
     let intact = numbers.dead.is_none() && numbers.damage <= 0.0;
@@ -226,7 +182,7 @@ fn crown_base(wood: &Wood) -> Option<f32> {
     bases.map(|node| wood.positions[wood.parents[node] as usize].y).reduce(f32::min)
 }
 
-/// For how many leaves there is room at the spacing of the species.
+/// Number of leaves for which there is room at the spacing of the species.
 fn room(species: &Species, wood: &Wood) -> f32 {
     let data = &species.leaves;
     let each = data.arrangement().per_whorl() as f32;

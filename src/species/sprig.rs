@@ -1,4 +1,4 @@
-//! What leaves are drawn with: the meshes of `foliage`, and some of needles and leaflets.
+//! Models of leaves: the meshes of `foliage`, and some of needles and leaflets.
 
 use super::data::{LeafData, LeafShape};
 use crate::foliage::Leaf;

@@ -204,7 +204,7 @@ fn every_sort_comes_in_its_time_and_goes() -> Result<(), Box<dyn Error>> {
     Ok(())
 }
 
-/// What falls leaves the others where they were, and leaves and wood take no notice.
+/// Organs that fall leave the others where they were, and do not change leaves and wood.
 #[test]
 fn organs_stay_where_they_are() -> Result<(), Box<dyn Error>> {
     let mut cherry = by_name("cherry")?.clone();
@@ -329,7 +329,7 @@ fn trees_are_as_wished_for() -> Result<(), Box<dyn Error>> {
             assert!((top / height - 1.0).abs() < 0.01, "{name}: {top} m for {height} m");
             assert!((tree.numbers.height - top).abs() < 1e-3);
             let floor = tree.skeleton.positions().iter().fold(0.0f32, |floor, place| floor.min(place.y));
-            // What joins the stems of a shrub is in the ground.
+            // The joint of a shrub's stems is in the ground.
             let least = if species.trunk.stems[1] > 1.0 { -0.07 } else { 0.0 };
             assert!(floor >= least, "{name}: a node {floor} m high");
         }

@@ -4,7 +4,7 @@ use super::data::Species;
 use std::fmt::Write as _;
 use std::ops::RangeInclusive;
 
-/// Why a text is not a species.
+/// Error of reading a species from text.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[error("line {line}: {field}: {reason}")]
 #[non_exhaustive]
@@ -30,7 +30,7 @@ pub(super) trait Fields {
     fn text(&mut self, name: &'static str, value: &mut String);
     /// Numbers in a range, as many as there are; one alone without brackets.
     fn numbers(&mut self, name: &'static str, values: &mut [f32], range: [f32; 2]);
-    /// Any of so many numbers.
+    /// A list of numbers, as many as `count` allows.
     fn list(
         &mut self,
         name: &'static str,
@@ -66,7 +66,7 @@ pub(super) trait Fields {
 struct Entry<'a> {
     line: usize,
     section: &'a str,
-    /// Which of the tables of that name, from 1; 0 in a section.
+    /// Number among the tables of that name, from 1; 0 in a section.
     table: usize,
     name: &'a str,
     value: &'a str,
@@ -149,7 +149,7 @@ impl<'a> Reader<'a> {
         })
     }
 
-    /// What is wrong with the headers: sections that there are none of, lists that are not written as such.
+    /// Reports faults of the headers: unknown sections, lists that are not written as lists.
     fn check_headers(&mut self) {
         for header in std::mem::take(&mut self.headers) {
             let known = self.sections.iter().find(|(name, _)| *name == header.name);
@@ -407,7 +407,7 @@ impl Fields for Writer {
 
 impl Species {
     /// Reads a species from its text form: lines `name = value` under `[section]`s, comments after `#`. Fields that are
-    /// not given have the default of their part; `name` is needed. What each field means stands with the parts
+    /// not given have the default of their part; `name` is needed. The parts document their fields
     /// ([`Size`](super::Size), [`Trunk`](super::Trunk), ...); texts of this form are valid TOML.
     ///
     /// ```

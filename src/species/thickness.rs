@@ -1,7 +1,8 @@
-//! Radii: twigs by the species' twig radius with its spread, what bears them by pipes, stems by the measured profile.
+//! Radii: twigs by the species' twig radius with its spread, the wood below by pipes, stems by the measured
+//! profile.
 //!
 //! Pipes: the p-th power of a radius is the sum of those that it bears. The exponent is the one by which the pipes of
-//! the trunk at 1.3 m have the diameter wished for, so that twigs, limbs and trunk fit one another.
+//! the trunk at 1.3 m have the diameter asked for, so that twigs, limbs and trunk fit one another.
 
 use super::data::Species;
 use super::draw::Draw;
@@ -13,7 +14,7 @@ use crate::math;
 pub(super) const BREAST: f32 = 1.3;
 /// Exponents that trees have; beyond, radii are stretched.
 const EXPONENTS: [f32; 2] = [1.75, 3.0];
-/// No branch is thicker than this part of what bears it.
+/// No branch is thicker than this part of its parent.
 const BRANCH: f32 = 0.86;
 
 /// The radius of each node. A diameter that was `asked` for is met however low the stem is.
@@ -154,7 +155,7 @@ fn stems(species: &Species, wood: &Wood, plan: &Numbers, asked: bool, radii: &mu
             radii[node] = radii[node].min(radii[parent]).max(tip);
         }
     }
-    // To the diameter wished for, exactly.
+    // To the diameter asked for, exactly.
     let measured = at_breast(wood, radii);
     if measured > 0.0 {
         let factor = plan.dbh * 0.5 / measured;
@@ -166,7 +167,8 @@ fn stems(species: &Species, wood: &Wood, plan: &Numbers, asked: bool, radii: &mu
     }
 }
 
-/// By how much low stems become thicker at the most than their profile, where the diameter is not asked for.
+/// Largest factor by which low stems become thicker than their profile, where the diameter is not
+/// asked for.
 const MOST_THICKER: f32 = 1.3;
 
 /// Radius over that at breast height, by height: linear between the measured ones, down to the shoot at the top.

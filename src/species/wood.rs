@@ -37,7 +37,7 @@ impl Wood {
     }
 }
 
-/// An axis of the tree: its nodes, the base on the bearing axis included.
+/// An axis of the tree: its nodes, the base on the parent axis included.
 #[derive(Debug, Clone)]
 pub(super) struct Axis {
     pub(super) nodes: Vec<u32>,
@@ -60,7 +60,7 @@ impl Axis {
     }
 }
 
-/// How an axis is to grow.
+/// Settings for the growth of an axis.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Course {
     pub(super) base: u32,
@@ -69,9 +69,9 @@ pub(super) struct Course {
     pub(super) step: f32,
     pub(super) order: u16,
     pub(super) rank: Rank,
-    /// So much of the up vector is added to the direction on the whole way.
+    /// Multiple of the up vector that is added to the direction over the whole way.
     pub(super) rise: f32,
-    /// Radians a square root of metre.
+    /// Radians per square root of a metre.
     pub(super) crooked: f32,
 }
 

@@ -1,4 +1,4 @@
-//! Where each tube begins: in the wood that bears it.
+//! Starts of tubes: each begins within the wood of its parent branch.
 
 use super::Tubes;
 use super::axis::{Axes, Axis, Station};
@@ -8,16 +8,17 @@ use crate::math;
 use crate::observer::{Cancelled, Watch};
 use std::f32::consts::PI;
 
-/// The part of its radius with which a branch without a collar begins, so that its rim stays within its bearer.
+/// The part of its radius with which a branch without a collar begins, so that its rim stays within the wood
+/// it springs from.
 const HIDDEN: f32 = 0.6;
 /// Steepest taper that tilts a normal: a cone this flat is a disc.
 const STEEPEST_TAPER: f32 = 1e3;
-/// Tips of at least so many sides are domes; others are cones.
+/// Tips of at least this number of sides are domes; others are cones.
 pub(super) const DOME_SIDES: u32 = 7;
 
 impl Axes {
-    /// Has each axis begin where it comes out of what bears it, or hidden in there. To be called once, for bearers come
-    /// before what they bear.
+    /// Makes each axis begin where it comes out of its parent branch, or hidden within it. To be
+    /// called once, since parent axes come before their laterals.
     pub(super) fn attach(&mut self, options: &Tubes, watch: &Watch<'_>) -> Result<(), Cancelled> {
         for number in 0..self.all.len() {
             self.begin(number, options);
@@ -28,7 +29,7 @@ impl Axes {
         Ok(())
     }
 
-    /// Has one axis begin so.
+    /// Makes one axis begin so.
     fn begin(&mut self, number: usize, options: &Tubes) {
         let axis = &self.all[number];
         let goes_on = number > 0 && self.all[number - 1].branch == axis.branch;
@@ -67,9 +68,10 @@ impl Axes {
 
     /// The numbers of the axis out of which another comes, and of the station where.
     ///
-    /// That is the branch that bears it; or what bears that branch, if it is still within that where it has a lateral.
+    /// That is its parent branch; or the parent of that, if the parent branch is still within it
+    /// where it has this lateral.
     fn bearing(&self, axis: &Axis) -> Option<(usize, usize)> {
-        // Where the bearer has no surface, the branch itself is what is found there.
+        // A parent branch without a surface of its own would have the branch itself there.
         let (mut bearer, mut station) =
             self.place(axis.bearer?).filter(|(_, place)| !axis.stations.contains(place))?;
         while let Some((elder, at)) = self.all[bearer].bearing {
@@ -90,12 +92,12 @@ impl Axes {
         Some((bearer, station.saturating_sub(first)))
     }
 
-    /// Whether a place on an axis is the base of a trunk, which has wood on one side only.
+    /// `true` if a place on an axis is the base of a trunk, which has wood on one side only.
     fn stands(&self, bearer: usize, base: &Near) -> bool {
         self.all[bearer].bearing.is_none() && base.place.is_start()
     }
 
-    /// Has an axis begin within what bears it, without a collar.
+    /// Makes an axis begin within its parent branch, without a collar.
     fn hide(&mut self, number: usize, bearer: usize, base: &Near, options: &Tubes) {
         let inscribed = math::cos(PI / self.all[bearer].sides as f32);
         let within = base.radius * inscribed * self.wood(bearer).slimness(base.place);

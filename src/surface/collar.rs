@@ -1,4 +1,4 @@
-//! Where a branch leaves the one that bears it.
+//! Collars: the bases of branches where they leave their parent branches.
 
 use super::axis::{Axes, Axis, Station};
 use super::circle::Circles;
@@ -8,46 +8,52 @@ use crate::math::{atan2, parallel_transport};
 use glam::{Vec3, Vec4};
 use std::f32::consts::TAU;
 
-/// How far the foot of a collar reaches beyond the branch, in radii of the branch, for rings of so many sides and more;
-/// the feet of fewer have such long edges and sharp corners that they keep closer.
+/// Reach of a collar's base beyond the branch, in radii of the branch, for rings of `FLARE_SIDES`
+/// and more; fewer sides have such long edges and sharp corners that they keep closer.
 const FLARE: f32 = 0.7;
 const FLARE_SIDES: f32 = 8.0;
 /// Distance from the parent branch at which a collar ends, in radii of the branch.
 const CLEARANCE: f32 = 0.8;
-/// How deep the foot of a collar is sunk into the bearing branch, in radii of the branch.
+/// Depth to which a collar's base is sunk into the parent branch, in radii of the branch.
 const SUNK: f32 = 0.03;
-/// The same at most, in radii of the bearing branch: where that bends, it is thinner than its rings are wide.
+/// The greatest such depth, in radii of the parent branch: where that bends, it is thinner than its
+/// rings are wide.
 const DEEPEST: f32 = 0.25;
-/// The longest collar, in radii of both branches together: what runs on beside its bearing branch has none.
+/// The longest collar, in radii of both branches together: a branch that runs on beside its parent
+/// branch has none.
 pub(super) const LONGEST: f32 = 8.0;
-/// The thickest foot, in radii of the bearing branch.
+/// The thickest collar base, in radii of the parent branch.
 const THICKEST: f32 = 0.9;
 /// The radius at the start of the wood within a collar, in radii of the straight tube there. Between its few rings, and
 /// where its ends are sunk, a collar is a little thinner than that tube.
 const CORE: f32 = 0.5;
-/// The farthest that a branch springs from its bearer's axis, in radii of the bearer.
+/// The farthest that a branch springs from its parent branch's axis, in radii of the parent branch.
 const OFF_AXIS: f32 = 0.5;
-/// How near to its bearer's surface the way out is looked for, in radii of the branch.
+/// Tolerance of the place where the branch leaves its parent branch's surface, in radii of the
+/// branch.
 const TOLERANCE: f32 = 0.1;
-/// The same of a collar whose branch bends before it is as clear as that.
+/// Distance from the parent branch that ends the collar of a branch that bends before `CLEARANCE`,
+/// in radii of the branch.
 const BARELY: f32 = 0.1;
-/// How near to that clearance a collar ends, in radii of the branch.
+/// Tolerance of the distance at which a collar ends, in radii of the branch.
 const NEAR: f32 = 0.25;
 /// Greatest distance of a branch with a collar from its straight tube, in radii of the branch.
 const WAYWARD: f32 = 0.7;
 /// The shortest way from a collar to the next ring, in radii of the branch.
 const SHORTEST: f32 = 0.25;
 
-/// The blend between a branch and its bearer: a round fillet from the bearer's surface to the first level ring.
+/// The blend between a branch and its parent branch: a round fillet from the parent branch's
+/// surface to the first level ring.
 ///
-/// Each vertex of that ring is joined to the bearer by a quadratic Bézier curve. Its inner control point is where
-/// the branch, as a straight tube, comes out of the bearer; its end lies farther out on the bearer's triangles. So the
-/// curve leaves the bearer along the bearer and arrives along the branch.
+/// Each vertex of that ring is joined to the parent branch by a quadratic Bézier curve. Its inner
+/// control point is where the branch, as a straight tube, comes out of the parent branch; its end
+/// lies farther out on the parent branch's triangles. So the curve leaves the parent branch along
+/// its surface and arrives along the branch.
 #[derive(Debug)]
 pub(super) struct Collar {
     /// Start of the straight tube within the parent branch, which ends at the first level ring.
     pub(super) start: Station,
-    /// The bearer's ring below that start.
+    /// The parent branch's ring below that start.
     pub(super) bearing: usize,
     /// The first level ring.
     pub(super) end: Station,
@@ -59,7 +65,7 @@ pub(super) struct Collar {
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Curves {
     points: [Lanes; 3],
-    /// The bearer's normals at the feet and at the inner control points.
+    /// The parent branch's normals at the bases and at the inner control points.
     normals: [Lanes; 2],
     /// Places of the bases on the parent branch, and their turns from where its rings begin.
     pub(super) places: [(Place, f32); LANES],
@@ -71,7 +77,7 @@ impl Curves {
         a.lerp(b, t).lerp(b.lerp(c, t), t)
     }
 
-    /// The bearer's normals below the points.
+    /// The parent branch's normals below the points.
     pub(super) fn normal(&self, t: f32) -> Lanes {
         let [foot, inner] = self.normals;
         inner.lerp(foot, (1.0 - t) * (1.0 - t))
@@ -95,16 +101,16 @@ impl Curves {
 }
 
 impl Collar {
-    /// The collar of `axis`, which springs at `base` out of the wood of `bearer`; `None` for what does not come out of
-    /// it in time.
+    /// The collar of `axis`, which springs at `base` out of the wood of `bearer`; `None` for an
+    /// axis that does not come out of it in time.
     pub(super) fn of(axes: &Axes, axis: &Axis, bearer: usize, base: &Near) -> Option<Self> {
         let wood = axes.wood(bearer);
         let stations = &axes.stations[axis.stations.clone()];
         let mut inside = Inside { number: 0, station: axis.base, near: *base };
-        // Where the first ring is that is out of the bearer, though not clear of it.
+        // The first ring that is out of the parent branch, though not clear of it.
         let mut out = None;
         let mut ring = base.place.ring;
-        // How far a ring is outside of the bearer, less the clearance.
+        // Distance of a ring from the parent branch's surface, less the clearance.
         let mut outside = |position: Vec3, tangent: Vec3, radius: f32| {
             let near = wood.near(position, ring);
             ring = near.place.ring;
@@ -133,7 +139,8 @@ impl Collar {
             let way = to.position - from.position;
             let (mut low, mut high) = ((0.0, before), (1.0, after));
             let mut part = (before / (before - after)).clamp(0.0, 1.0);
-            // A bearer that bends, tapers or flares is left sooner or later than a straight one.
+            // A parent branch that bends, tapers or flares is left sooner or later than a straight
+            // one.
             for _ in 0..6 {
                 let radius = from.radius + (to.radius - from.radius) * part;
                 let far = outside(from.position + way * part, to.tangent, radius).0;
@@ -153,7 +160,8 @@ impl Collar {
     }
 }
 
-/// The last station of a branch that is well within its bearer; from there the way out is straight.
+/// The last station of a branch that is well within its parent branch; from there the way out is
+/// straight.
 struct Inside {
     number: usize,
     station: Station,
@@ -177,7 +185,8 @@ impl Inside {
         is_straight(&start, between, end).then_some(collar)
     }
 
-    /// The start of the straight tube to `end`, so near to the bearer's axis and so thin that it is within the bearer.
+    /// The start of the straight tube to `end`, so near to the parent branch's axis and so thin
+    /// that it is within the parent branch.
     fn start(&self, end: &Station) -> Station {
         let (near, within) = (&self.near, &self.station);
         let most = OFF_AXIS * near.radius;
@@ -196,7 +205,7 @@ impl Inside {
     }
 }
 
-/// Whether some stations between two others are near the straight way between these.
+/// `true` if all stations between two others are near the straight way between these.
 fn is_straight(start: &Station, between: &[Station], end: &Station) -> bool {
     between.iter().all(|station| {
         let way = station.position - start.position;
@@ -214,7 +223,7 @@ pub(super) fn curves(axes: &Axes, circles: &Circles, axis: &Axis, curves: &mut V
     let bearing = Bearing::new(axes, circles, (bearer, hint), start.position);
     let thickness = start.radius / CORE;
     let flare = FLARE * thickness * ((axis.sides as f32 - 3.0) / (FLARE_SIDES - 3.0)).clamp(0.2, 1.0);
-    // The edges of the foot cut through the bearer's round.
+    // The edges of the base cut through the round of the parent branch.
     let edge = TAU / axis.sides as f32 * (thickness + flare);
     let sunk = SUNK * thickness + (edge * edge / (8.0 * bearing.base.radius)).min(0.5 * thickness);
 
@@ -238,7 +247,7 @@ pub(super) fn curves(axes: &Axes, circles: &Circles, axis: &Axis, curves: &mut V
         let turned = [ways.dot(tangents.cross(normals)), ways.dot(normals)];
         let outward = points - Lanes::splat(center);
         let outward = (outward - radial * outward.dot(radial)).normalize_or(Lanes::default) * each(flare);
-        // Along the bearer's round, not off along its tangent.
+        // Along the round of the parent branch, not off along its tangent.
         let around = outward.dot(tangents.cross(radial));
         let outer = (points + outward).to_array();
         let (mut feet, mut foot_normals) = ([Vec3::ZERO; LANES], [Vec3::ZERO; LANES]);
@@ -283,7 +292,8 @@ impl<'a> Bearing<'a> {
         self.wood.surface(self.circle, place, turns, depth)
     }
 
-    /// How deep a collar can be sunk at a place. Between rings that are oblique to each other the bearer is thin.
+    /// Greatest depth of a collar at a place. Between rings that are oblique to each other the
+    /// parent branch is thin.
     fn deepest(&self, place: Place) -> f32 {
         let (below, above) = self.wood.around(place);
         DEEPEST * self.wood.radius(place) * below.tangent.dot(above.tangent).max(0.0)
@@ -303,13 +313,14 @@ impl<'a> Bearing<'a> {
     }
 }
 
-/// The way of the straight tube through the bearer.
+/// The way of the straight tube through the parent branch.
 struct Way {
     direction: Vec3,
     /// To the first level ring, metres.
     length: f32,
     tolerance: f32,
-    /// The bearer as a straight cylinder: the direction of its axis, its radius, and the way from there.
+    /// The parent branch as a straight cylinder: the direction of its axis, its radius, and the way from
+    /// there.
     tangent: Vec3,
     radius: f32,
     from: Vec3,
@@ -329,7 +340,7 @@ impl Way {
         way
     }
 
-    /// Takes the bearer for what it is near a point, which lies so far from the start.
+    /// Takes the parent branch for what it is near a point, which lies this far from the start.
     fn straighten(&mut self, bearing: &Bearing<'_>, near: &Near, offset: Vec3) {
         let (below, above) = bearing.wood.around(near.place);
         self.tangent = below.tangent.lerp(above.tangent, near.place.part).normalize_or(below.tangent);
@@ -337,11 +348,11 @@ impl Way {
         self.from = near.way - offset;
     }
 
-    /// How far from these offsets the way comes out of a straight bearer.
+    /// Estimated distances from these offsets at which the way leaves a straight parent branch.
     fn guesses(&self, offsets: Lanes) -> Vec4 {
         let level = |v: Vec3| v - self.tangent * v.dot(self.tangent);
         let slope = level(self.direction);
-        // Along the bearer it never comes out.
+        // Along the parent branch it never comes out.
         let a = Vec4::splat(slope.length_squared().max(f32::MIN_POSITIVE));
         let flat = offsets + Lanes::splat(self.from);
         let tangent = Lanes::splat(self.tangent);

@@ -52,7 +52,7 @@ const ROUNDS: usize = 5;
 const BENT: f32 = 0.1;
 
 impl Mask {
-    /// Snow on what faces up: none from 75° off, all within 40°; borders that wave over 15 cm.
+    /// Snow on surfaces that face up: none from 75° off, all within 40°; borders that wave over 15 cm.
     pub fn snow() -> Self {
         Self {
             direction: UP,

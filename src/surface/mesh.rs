@@ -4,8 +4,8 @@ use super::{Instance, Wind};
 use crate::shape::Bounds;
 use glam::{Vec2, Vec3, Vec4};
 
-/// A triangle mesh in metres: vertices with a normal each, and three indices a triangle, counter-clockwise seen
-/// from outside.
+/// A triangle mesh in metres: vertices with a normal each, and three indices per triangle, counter-clockwise
+/// seen from outside.
 ///
 /// The fields are public, so that any engine's buffers can be filled from them and any mesh can be put in.
 /// Results of this crate satisfy [`check`](Self::check); input of a user is checked where it is used.
@@ -27,9 +27,10 @@ use glam::{Vec2, Vec3, Vec4};
 pub struct Mesh {
     /// Positions of the vertices, metres.
     pub positions: Vec<Vec3>,
-    /// A unit normal a vertex, pointing outward.
+    /// One unit normal per vertex, pointing outward.
     pub normals: Vec<Vec3>,
-    /// A tangent a vertex, or none at all: the unit direction in which u grows, perpendicular to the normal, and 1 or
+    /// One tangent per vertex, or none at all: the unit direction in which u grows, perpendicular to the
+    /// normal, and 1 or
     /// -1. As in glTF, normal times tangent (the cross product) times that number is the direction in which v
     /// **falls**, for normal maps are drawn with up as up and v counts from the upper edge down.
     pub tangents: Vec<Vec4>,
@@ -44,7 +45,7 @@ pub struct Mesh {
     pub indices: Vec<u32>,
 }
 
-/// Why some arrays are not a mesh.
+/// Error of checking a mesh.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum MeshError {

@@ -2,14 +2,14 @@
 //!
 //! | builder | what it gives |
 //! |---|---|
-//! | [`Tubes`] | a smooth tube along each branch, with a collar where it leaves what bears it: fast, exact radii |
+//! | [`Tubes`] | a smooth tube along each branch, with a collar where it leaves its parent branch: fast, exact radii |
 //! | [`Levels`] | the same in several levels of detail, each of at most half the triangles of the one before |
 //! | [`Implicit`] | one closed, watertight mesh of the whole tree, its branches blended into each other |
 //! | [`blob`] | any solid of primitives and operators, a `BlobTree`; [`Skin`](blob::Skin): a tree's, with scars and ridges that age |
 //! | [`Polygonizer`] | one closed mesh of any [`BlobTree`](blob::BlobTree), with its colours |
 //! | [`Unwrap`] | texture coordinates for closed meshes, along branches and around them |
-//! | [`Mask`] | where snow, moss and lichen are: a mesh cut in two, each with its own images |
-//! | [`Sway`] | how a tree bends: what the wind does to each vertex of any mesh |
+//! | [`Mask`] | the parts under snow, moss and lichen: a mesh cut in two, each with its own images |
+//! | [`Sway`] | the bending of a tree in the wind, for each vertex of any mesh |
 //! | [`Capsules`] | branches as [`Capsule`]s, for collisions |
 //!
 //! [`Skeleton::relaxed`](crate::Skeleton::relaxed) takes the kinks out of a skeleton first. Meshes are plain arrays, [`Mesh`], with
@@ -72,7 +72,7 @@ use crate::ParameterError;
 use crate::observer::Cancelled;
 use glam::Vec3;
 
-/// Why no surface can be made of a skeleton.
+/// Error of making a surface.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum SurfaceError {

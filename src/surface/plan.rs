@@ -47,7 +47,7 @@ impl Plan {
     }
 }
 
-/// Number of rings of a collar between its foot and its end.
+/// Number of rings of a collar between its base and its end.
 pub(super) fn blends(sides: u32) -> u32 {
     (sides / 3).clamp(1, 4)
 }

@@ -174,7 +174,7 @@ fn lengths(positions: &[Vec3], nodes: &[u32]) -> Vec<f32> {
     nodes.iter().map(to).collect()
 }
 
-/// The point so far along a branch.
+/// The point this far along a branch.
 fn along(positions: &[Vec3], nodes: &[u32], lengths: &[f32], length: f32) -> Vec3 {
     let next = lengths.partition_point(|&end| end < length).clamp(1, nodes.len() - 1);
     let [from, to] = [next - 1, next].map(|i| (positions[nodes[i] as usize], lengths[i]));

@@ -199,12 +199,12 @@ impl Tubes {
     /// Gives branches that taper fewer and fewer squares around, so that texels stay about as large; default
     /// false.
     ///
-    /// By default the number of squares around a branch is the same all along it, and texels shrink in
-    /// proportion to its radius: by a factor of ten and more along a trunk. With this a new number begins at
-    /// the first fork where the branch is thinner than where the last began by a factor of 1.6, that of the
-    /// mean of both ends. There bark does not continue: v does, u does not, which a ring of doubled vertices
-    /// makes possible. That seam lies at a fork, but it may be seen on smooth trunks with strongly drawn
-    /// bark.
+    /// The default number of squares around a branch is the same all along it, and texels shrink in
+    /// proportion to its radius: by a factor of ten and more along a trunk. With even texels a new
+    /// section begins at the first fork where the branch is thinner by a factor of 1.6 than at the
+    /// start of the last one; its number of squares is that of its mean radius. There bark does not
+    /// continue: v does, u does not, which a ring of doubled vertices makes possible. That seam
+    /// lies at a fork, but it may be seen on smooth trunks with strongly drawn bark.
     pub fn with_even_texels(mut self, even: bool) -> Self {
         self.even_texels = even;
         self
@@ -288,7 +288,7 @@ impl Tubes {
         ParameterError::unless((1e-4..=1e4).contains(&self.tile), "Tubes.tile", self.tile, "1e-4 to 1e4 m")
     }
 
-    /// Sides of a branch so thick.
+    /// Number of sides of a branch of this radius.
     pub(super) fn sides_of(&self, radius: f32, thickest: f32) -> u32 {
         if let Some(error) = self.error {
             // The polygon's sides are `radius·(1 - cos(π / sides))` off.
@@ -305,7 +305,7 @@ impl Tubes {
         if self.error.is_some() { half / math::sin(half) } else { 1.0 }
     }
 
-    /// Parts of an internode that turns by so much, radians, and is so long, metres.
+    /// Parts of an internode of this turn in radians and length in metres.
     pub(super) fn parts(&self, turn: f32, length: f32) -> f32 {
         match self.error {
             // The sagitta of an arc; the other half of the error is for simplifying.

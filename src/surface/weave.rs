@@ -19,7 +19,8 @@ use std::f32::consts::{FRAC_1_SQRT_2, TAU};
 const HANDEDNESS: f32 = -1.0;
 /// The least radius for which texels are kept square, as a part of the branch's first.
 const THINNEST: f32 = 1.0 / 64.0;
-/// Where a branch is thinner by this factor than where its present section began, the next one begins at the next fork.
+/// Factor by which a branch is thinner than at the start of its present section when the next one
+/// begins, at the next fork.
 const THINNER: f32 = 1.6;
 
 impl Plan {
@@ -117,7 +118,7 @@ impl Round {
     fn fill(&mut self, points: impl Iterator<Item = Lanes>, sides: usize) {
         for column in &mut self.0 {
             column.clear();
-            // Where the last point comes.
+            // Place of the last point, which is filled in below.
             column.push(0.0);
         }
         let [x, y, z] = &mut self.0;
@@ -155,16 +156,17 @@ struct Weaver<'a> {
     line: &'a [Station],
     /// The texture coordinate v of each of them.
     course: Vec<f32>,
-    /// Where the number of tiles around changes, the last change first: the ring, and the number from there on.
+    /// Changes of the number of tiles around, the last one first: the ring, and the number from
+    /// there on.
     sections: Vec<(usize, f32)>,
     /// Its collar; none if there is none.
     curves: Vec<Curves>,
     /// The points of one ring of it.
     round: Round,
-    /// How its level rings bend; none if that is not wanted.
+    /// Bends of its level rings; none if not wanted.
     bends: Vec<Bend>,
-    /// Of the feet of its collar the moments that they have from the bearer's triangles besides those of its first level
-    /// ring, and the bearer's node.
+    /// For each foot of its collar the moments from the parent branch's triangles, less those of
+    /// its first level ring, and the parent branch's node.
     feet: Vec<([Vec3; 3], u32)>,
     blower: Option<(&'a Sway, usize)>,
     watch: &'a Watch<'a>,
@@ -257,7 +259,7 @@ impl Weaver<'_> {
         }
     }
 
-    /// How much v grows a metre where the axis is so thick.
+    /// Growth of v per metre where the axis has this radius.
     fn pace(&self, radius: f32) -> f32 {
         if !self.options.square_tiles {
             return 1.0 / self.options.tile;
@@ -308,7 +310,8 @@ impl Weaver<'_> {
     /// The ring at the part `t` of the collar's curves.
     fn collar(&mut self, t: f32) -> Ring {
         let sides = self.sides() as usize;
-        // Where the collar comes out of the bearer's facets is not seen as long as it still has the bearer's normals.
+        // The line where the collar leaves its parent branch's facets is not seen as long as it
+        // still has the parent branch's normals.
         let share = t * t;
         self.round.fill(self.curves.iter().map(|curves| curves.point(t)), sides);
         let first = self.mesh.positions.len();
@@ -399,7 +402,7 @@ impl Weaver<'_> {
         self.blow(self.line.len() - 1, None);
     }
 
-    /// The texture coordinate v so far beyond the last ring, metres.
+    /// The texture coordinate v this far beyond the last ring, metres.
     fn beyond(&self, last: &Station, way: f32) -> f32 {
         if self.options.square_tiles {
             self.course[self.course.len() - 1] + way * self.pace(last.radius)

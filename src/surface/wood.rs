@@ -18,7 +18,7 @@ pub(super) struct Place {
 }
 
 impl Place {
-    /// Whether it is where the branch begins.
+    /// `true` if it is where the branch begins.
     pub(super) fn is_start(self) -> bool {
         self.ring == 0 && self.part == 0.0
     }
@@ -94,7 +94,8 @@ impl<'a> Wood<'a> {
         below.radius + (above.radius - below.radius) * place.part
     }
 
-    /// How thick the tube is about a place, in its radii: where it bends, its rings are oblique to it.
+    /// Thickness of the tube about a place, in its radii: less than 1 where it bends, since its
+    /// rings are oblique to it.
     pub(super) fn slimness(&self, place: Place) -> f32 {
         let rings = &self.stations[place.ring.saturating_sub(1)..(place.ring + 3).min(self.stations.len())];
         let obliqueness = rings.windows(2).map(|pair| {
@@ -113,9 +114,9 @@ impl<'a> Wood<'a> {
         Near { place, way, distance: way.length(), radius: self.radius(place) }
     }
 
-    /// Where a ray from within comes out, between its start and `longest` metres from there: how far, and what is
-    /// known of the point. `guess` metres are tried first. The secant method, which halves what is left where it
-    /// would leave that, and every third time.
+    /// Place where a ray from within comes out, at most `longest` metres from its start: the
+    /// distance, and knowledge of the point. `guess` metres are tried first. The secant method,
+    /// which halves the interval where it would leave it, and every third time.
     #[inline]
     pub(super) fn exit(
         &self,
@@ -178,7 +179,8 @@ impl<'a> Wood<'a> {
         (point - inward, lower.lerp(upper, place.part))
     }
 
-    /// Which points of the rings below and above that point of the triangles lies between, and how much each counts.
+    /// Corners of the triangle in which that point lies between the rings below and above, each
+    /// with its weight.
     #[inline]
     pub(super) fn corners(&self, circle: &[[f32; 2]], place: Place, turns: f32) -> [(usize, Vec3, f32); 3] {
         let sides = circle.len() - 1;

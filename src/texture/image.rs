@@ -4,12 +4,13 @@ use super::TextureError;
 use crate::{ParameterError, math};
 use std::io::{self, BufRead, Seek, Write};
 
-/// An image with 8 bits a channel: 1 channel (grey), 3 (red, green, blue) or 4 (red, green, blue, alpha). Rows from the top,
-/// pixels from the left; the texture coordinate (0, 0) is the upper left corner, as in glTF.
+/// An image with 8 bits per channel: 1 channel (grey), 3 (red, green, blue) or 4 (red, green, blue, alpha).
+/// Rows from the top, pixels from the left; the texture coordinate (0, 0) is the upper left corner, as in
+/// glTF.
 ///
 /// The map decides what the numbers mean: colours are sRGB, everything else is linear.
 ///
-/// Memory: one byte a channel and pixel.
+/// Memory: one byte per channel and pixel.
 ///
 /// ```
 /// use treesynth::texture::Image;
@@ -63,7 +64,7 @@ impl Image {
         self.channels
     }
 
-    /// Whether there is an alpha channel.
+    /// `true` if there is an alpha channel.
     pub fn has_alpha(&self) -> bool {
         self.channels == 4
     }
@@ -117,10 +118,10 @@ impl Image {
         writer.finish().map_err(written)
     }
 
-    /// Reads a PNG file of any kind; palettes, 16 bits a channel and grey with alpha are converted.
+    /// Reads a PNG file of any kind; palettes, 16 bits per channel and grey with alpha are converted.
     ///
     /// # Errors
-    /// Not a PNG, broken, or larger than 8192 pixels a side; errors of the reader.
+    /// Not a PNG, broken, or larger than 8192 pixels per side; errors of the reader.
     pub fn read_png(reader: impl BufRead + Seek) -> Result<Self, TextureError> {
         let mut decoder = png::Decoder::new(reader);
         decoder.set_transformations(png::Transformations::normalize_to_color8());

@@ -4,8 +4,8 @@ use super::Image;
 use super::tone::Tones;
 use crate::math;
 
-/// How much of an image is covered: the share of its pixels whose alpha, times `scale`, is not below `cutoff`; 1 for an
-/// image without alpha.
+/// The share of an image's pixels whose alpha, times `scale`, is not below `cutoff`; 1 for an image
+/// without alpha.
 ///
 /// ```
 /// use treesynth::texture::alpha_coverage;
@@ -28,8 +28,8 @@ pub fn alpha_coverage(image: &Image, cutoff: f32, scale: f32) -> f32 {
 /// in sRGB: they are averaged as light.
 ///
 /// With a cutoff the alpha of each size is scaled so that the share that is shown stays that of the image (Castaño 2010, "Computing
-/// Alpha Mipmaps"): on 16 points a pixel, between four pixels each, as renderers see it. It cannot be kept where less than a
-/// pixel would be left. O(pixels).
+/// Alpha Mipmaps"): on 16 points per pixel, between four pixels each, as renderers see it. It cannot be kept
+/// where less than a pixel would be left. O(pixels).
 pub fn mips(image: &Image, cutoff: Option<f32>) -> Vec<Image> {
     let linear: Vec<f32> = (0..256).map(|tone| math::linear(tone as f32 / 255.0)).collect();
     let tones = Tones::new();

@@ -21,7 +21,7 @@ pub(crate) use tone::Tones;
 use crate::ParameterError;
 use std::io;
 
-/// Why there is no image.
+/// Error of making or reading an image.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum TextureError {

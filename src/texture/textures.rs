@@ -77,17 +77,17 @@ impl Textures {
         self.transmission.as_ref()
     }
 
-    /// Below which alpha nothing is drawn, if anything is cut out.
+    /// Alpha below which nothing is drawn, if anything is cut out.
     pub fn alpha_cutoff(&self) -> Option<f32> {
         self.alpha_cutoff
     }
 
-    /// Whether there are holes: an alpha channel and a cutoff.
+    /// `true` if there are holes: an alpha channel and a cutoff.
     pub fn is_masked(&self) -> bool {
         self.alpha_cutoff.is_some() && self.base_color.as_ref().is_some_and(Image::has_alpha)
     }
 
-    /// Whether it can be written and drawn.
+    /// Checks that they can be written and drawn.
     ///
     /// # Errors
     /// A cutoff outside 0 to 1; maps other than the colour that do not have three channels; a colour of one channel.

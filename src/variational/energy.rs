@@ -108,10 +108,10 @@ pub fn guidance(skeleton: &Skeleton, shape: &GuidanceShape) -> Result<Energy, Pa
 /// root's wish is ignored. O(n).
 ///
 /// # Errors
-/// `beta` not in [0, 6], not one wish a node, or one out of its range.
+/// `beta` not in [0, 6], not one wish per node, or one out of its range.
 pub fn penalty(skeleton: &Skeleton, wishes: &[Wish], beta: f32) -> Result<Energy, ParameterError> {
     ParameterError::unless((0.0..=6.0).contains(&beta), "beta", beta, "in [0, 6]")?;
-    ParameterError::unless(wishes.len() == skeleton.len(), "wishes", wishes.len(), "one a node")?;
+    ParameterError::unless(wishes.len() == skeleton.len(), "wishes", wishes.len(), "one per node")?;
     let parents: Vec<u32> =
         (0..skeleton.len()).map(|node| skeleton.parent(node).unwrap_or(0) as u32).collect();
     for (node, wish) in wishes.iter().enumerate() {

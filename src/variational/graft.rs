@@ -145,7 +145,7 @@ impl<'a> Graft<'a> {
     /// Hangs subtrees on nearby nodes where that saves wood and strain, until no such move saves more than
     /// [`LEAST_SAVING`] of the wood. Returns whether there was any.
     ///
-    /// O(n k h) a sweep for k neighbours and trees h nodes deep.
+    /// O(n k h) per sweep for k neighbours and trees h nodes deep.
     pub(super) fn rehang(&mut self) -> bool {
         let wood: f64 =
             (1..self.draft.len() as u32).map(|node| self.thick[node as usize] * self.length(node)).sum();
@@ -324,7 +324,7 @@ impl<'a> Graft<'a> {
     }
 
     /// Hangs shape nodes on internodes nearby, then gathers pairs on twigs: where that saves, and where a node carries
-    /// more than [`MOST`]. O(n m²) for m a node.
+    /// more than [`MOST`]. O(n m²) for m per node.
     pub(super) fn grow_twigs(&mut self) {
         for tip in 0..self.draft.owners.len() as u32 {
             self.hang_beside(tip);

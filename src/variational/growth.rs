@@ -82,7 +82,7 @@ pub enum StepKind {
     },
 }
 
-/// Why there is no tree.
+/// Error of growing a tree by variational synthesis.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum VariationalError {

@@ -30,7 +30,7 @@ pub struct GuidanceShape {
 /// More would not fit the numbers and the memory of today's machines.
 const MOST: usize = 20_000_000;
 
-/// Candidates a shape node wanted, from which those far apart are taken.
+/// Candidates per wanted shape node, from which those far apart are taken.
 const CANDIDATES: usize = 5;
 
 impl GuidanceShape {
@@ -203,7 +203,7 @@ impl GuidanceShape {
             "from 2 to 20,000,000 nodes",
         )?;
         let given = self.diameters.len();
-        ParameterError::unless(given == count, "GuidanceShape.diameters", given, "one a shape node")?;
+        ParameterError::unless(given == count, "GuidanceShape.diameters", given, "one per shape node")?;
         for (node, (position, &diameter)) in self.positions.iter().zip(&self.diameters).enumerate() {
             let holds = position.abs().cmple(Vec3::splat(1e6)).all();
             let name = format!("GuidanceShape.positions[{node}]");

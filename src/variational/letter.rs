@@ -11,7 +11,7 @@ use crate::shape::Outline;
 const WIDE: f32 = 5.0;
 const HIGH: f32 = 6.5;
 const STROKE: f32 = 1.2;
-/// The strokes' middle lines stay so far from the letter's box.
+/// Distance of the strokes' middle lines from the letter's box, metres.
 const EDGE: f32 = 0.5 * STROKE;
 
 /// The outline of one of the letters of GRAPHICS, standing on y = `base`, in the middle of x = 0; each stroke a polygon of
@@ -67,7 +67,7 @@ fn arc(center: (f32, f32), radii: (f32, f32), from: f32, to: f32) -> Vec<(f32, f
         .collect()
 }
 
-/// The polygon around a line, so far to each side, counter-clockwise.
+/// The polygon around a line, `half` to each side, counter-clockwise.
 fn band(line: &[Vec2], half: f32) -> Vec<Vec2> {
     let along =
         |i: usize| (line[(i + 1).min(line.len() - 1)] - line[i.min(line.len() - 2)]).normalize_or_zero();

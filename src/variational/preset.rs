@@ -261,12 +261,15 @@ fn solid_letter(count: usize, of: char) -> Result<VariationalSynth, ParameterErr
     let under = match of {
         'A' | 'R' => 1.9,
         'C' | 'P' => -1.9,
+        'G' => -1.5,
+        'S' => 1.5,
         _ => 0.0,
     };
+    // The trunk of an S has more bends.
+    let trunk = if of == 'S' { 9 } else { 6 };
     let levels =
-        [axis(6, 0.9, 45.0, Spiral), axis(6, 1.0, 45.0, Spiral), axis(4, 1.0, 40.0, Spiral), twig(1.0)];
-    // In G and S the price bends more wood than it saves.
-    let price = if matches!(of, 'G' | 'S') { 0.0 } else { 4.0 };
+        [axis(trunk, 0.9, 45.0, Spiral), axis(6, 1.0, 45.0, Spiral), axis(4, 1.0, 40.0, Spiral), twig(1.0)];
+    let price = if of == 'S' { 8.0 } else { 4.0 };
     Ok(tree(&solid, count, 0.26, &levels)?.with_root(Vec3::X * under).with_outside_price(price))
 }
 

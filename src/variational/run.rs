@@ -180,7 +180,7 @@ struct Run<'a, 'v> {
     /// Levels, over all refinements.
     done: u32,
     visit: Option<&'a mut Visit<'v>>,
-    /// Why a tree could not be shown.
+    /// Error by which a tree could not be shown.
     failed: Option<VariationalError>,
 }
 

@@ -48,12 +48,12 @@ pub struct VariationalSynth {
 }
 
 impl VariationalSynth {
-    /// α and β: what [`with_exponents`](Self::with_exponents) sets.
+    /// α and β, from [`with_exponents`](Self::with_exponents).
     pub fn exponents(&self) -> (f32, f32) {
         (self.alpha, self.beta)
     }
 
-    /// λ and μ: what [`with_weights`](Self::with_weights) sets.
+    /// λ and μ, from [`with_weights`](Self::with_weights).
     pub fn weights(&self) -> (f32, f32) {
         (self.lambda, self.mu)
     }
@@ -146,8 +146,9 @@ impl VariationalSynth {
         self
     }
 
-    /// Sets how often at most a level is updated and partitioned, in [1, 1000]; 6 by default, our
-    /// choice: most levels end before, when the energy falls by less than a thousandth or not at all.
+    /// Sets the most times that a level is updated and partitioned, in [1, 1000]; 6 by default, our
+    /// choice: most levels end before, when the energy falls by less than a thousandth or not at
+    /// all.
     pub fn with_rounds(mut self, rounds: u32) -> Self {
         self.rounds = rounds;
         self
@@ -160,9 +161,9 @@ impl VariationalSynth {
         self
     }
 
-    /// Sets how often the topology is refined at most, up to 1000, and the order up to which branches are pruned, in
-    /// [1, 1000]; 3 times and 3 by default. It ends before when twice in a row the
-    /// energy has not fallen below the least so far.
+    /// Sets the most times that the topology is refined, up to 1000, and the order up to which
+    /// branches are pruned, in [1, 1000]; 3 times and 3 by default. It ends before when twice in a
+    /// row the energy has not fallen below the least so far.
     pub fn with_refinements(mut self, times: u32, prune_order: u32) -> Self {
         (self.refinements, self.prune_order) = (times, prune_order);
         self

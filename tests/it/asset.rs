@@ -1,4 +1,5 @@
-//! What an asset promises: its budget, its cover and colour, levels that are nested, images that can be worn.
+//! Guarantees of assets: their budget, cover and colour, levels that are nested, images that can be
+//! worn.
 
 use std::f32::consts::PI;
 use treesynth::asset::{Asset, AssetBuilder, AssetError, Impostor, LeafImages, Likeness};
@@ -176,7 +177,7 @@ fn bare_trees_keep_their_twigs() {
     assert!(worst[0] < 0.05 && worst[1] < 2.0, "cover and colour are off by {worst:?}");
 }
 
-/// Whether one of these nodes is `node` or above it.
+/// `true` if one of these nodes is `node` or above it.
 fn bears(tree: &Skeleton, node: u32, nodes: &[u32]) -> bool {
     nodes.iter().any(|&other| {
         let mut at = Some(other as usize);

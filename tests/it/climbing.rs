@@ -91,7 +91,7 @@ fn edges(graph: &Graph) -> impl Iterator<Item = (usize, usize)> {
         .flat_map(move |from| graph.neighbours(from).iter().map(move |&to| (from as usize, to as usize)))
 }
 
-/// What the builder promises; gives the nodes.
+/// Checks the guarantees of the builder; gives the nodes.
 fn held(mesh: &Mesh, spacing: f32, seed: u64) -> (Graph, SurfaceNodes) {
     let builder = builder(mesh).with_spacing(spacing);
     let graph = builder.build(seed, &Silent).expect("a graph");

@@ -53,7 +53,7 @@ impl WeightFn for Steps {
     }
 }
 
-/// What weights there are, by a number.
+/// Weights by a number.
 fn weigh(stage: Stage, which: u8, obstacle: Sphere) -> Stage {
     match which % 7 {
         0 => stage.with_weight(Within::obstacle(Guided, obstacle)),
@@ -72,7 +72,7 @@ struct Edit {
     crown: Vec3,
     obstacle: Vec3,
     twigs: usize,
-    /// Which of these an edit changes.
+    /// Number of the part that an edit changes.
     which: u8,
 }
 

@@ -1,4 +1,4 @@
-//! By example: trees that are grown after one are of its kind, and each is another.
+//! Growth by example: trees that are grown after one are of its kind, and each is another.
 
 use treesynth::guided::Example;
 use treesynth::{Metrics, Skeleton, presets};
@@ -63,36 +63,29 @@ fn is_of_its_kind(tree: &Skeleton, but: &[&str]) {
 
 #[test]
 fn ashes_after_an_ash() {
-    // Numbers are off, height by 17%.
-    is_of_its_kind(&preset("fine-ash"), &["tips", "total length", "height", "wood volume"]);
+    // Its trunk leans by 3 m in 6 m, and crowns are round.
+    is_of_its_kind(&preset("fine-ash"), &["wood volume"]);
 }
 
 #[test]
-fn lindens_after_a_linden() {
-    is_of_its_kind(&preset("fine-linden"), &[]);
-}
-
-#[test]
-fn trees_after_a_figure() {
-    // Its paths merge: fewer limbs than there should be.
-    is_of_its_kind(&preset("figure-06b"), &["tips", "total length", "surface area", "strahler order"]);
+fn trees_after_other_presets() {
+    for name in ["fine-linden", "fine-oak", "fine-elm", "figure-06b", "figure-07"] {
+        println!("{name}");
+        is_of_its_kind(&preset(name), &[]);
+    }
 }
 
 #[test]
 fn trees_after_one_that_organized_itself() {
-    // Twigs of a few decimetres at 24 degrees need finer graphs than these.
-    let fine = ["tips", "total length", "surface area"];
     // Its own trunk ends where the crown begins; the longest axis is a better one to grow limbs on.
     let tree = self_organized();
     let stages = tree.stages().to_vec();
-    is_of_its_kind(&tree.with_stages(stages).unwrap(), &fine);
+    is_of_its_kind(&tree.with_stages(stages).unwrap(), &[]);
 }
 
 #[test]
 fn trees_after_one_that_grew_over_years() {
-    // Twigs of a few centimetres, thousands of them, need finer graphs than these.
-    let fine = ["tips", "total length", "strahler order", "wood volume"];
-    is_of_its_kind(&grown_over_years(), &fine);
+    is_of_its_kind(&grown_over_years(), &[]);
 }
 
 #[test]

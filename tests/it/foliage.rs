@@ -34,7 +34,8 @@ fn upper_side(instance: &Instance) -> Vec3 {
     instance.rotation_matrix().z_axis
 }
 
-/// How far a leaf is from the axis of its internode and how thick the branch is there, as the documents say it.
+/// Distance of a leaf from the axis of its internode and radius of the branch there, as the
+/// documents say it.
 fn distance_and_radius(tree: &Skeleton, leaf: &Instance) -> (f64, f64) {
     let node = leaf.node as usize;
     let parent = tree.parent(node).expect("leaves are on internodes");
@@ -77,7 +78,7 @@ fn arrangements_are_what_they_are_called() {
         // From the tip down to the foot, every 10 cm.
         assert_eq!(leaves.len(), 11 * per_whorl);
         let azimuth = |leaf: &Instance| leaf.position.x.atan2(leaf.position.z);
-        // Whether two leaves are turned by an angle from each other, either way round.
+        // `true` if two leaves are turned by an angle from each other, either way round.
         let turned = |from: &Instance, to: &Instance, angle: f32| {
             let turn = azimuth(to) - azimuth(from);
             [turn - angle, turn + angle].iter().any(|off| (off / 2.0).sin().abs() < 1e-4)

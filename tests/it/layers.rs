@@ -63,7 +63,7 @@ fn modules_import_only_from_their_left() {
     let mut files = Vec::new();
     sources(&src, &mut files);
     assert!(files.len() > 40);
-    // What lib.rs re-exports, and from where.
+    // The module of each name that lib.rs re-exports.
     let lib = fs::read_to_string(src.join("lib.rs")).unwrap();
     let origin = |name: &str| {
         lib.lines()
@@ -154,7 +154,7 @@ fn guided() -> BTreeMap<String, BTreeSet<String>> {
 fn guided_is_a_line() {
     let mut imports = guided();
     assert!(imports.len() > 10 && imports.values().map(BTreeSet::len).sum::<usize>() > 20, "{imports:?}");
-    // What imports from nothing that is left comes off, until nothing is left or a circle.
+    // Modules that import from none of the rest come off, until nothing or a circle is left.
     while !imports.is_empty() {
         let free: Vec<String> = imports
             .iter()

@@ -1,4 +1,4 @@
-//! What the crate promises, checked through its public interface alone.
+//! The guarantees of the crate, checked through its public interface alone.
 #![allow(clippy::float_cmp, reason = "the same bits are often the point")]
 #![allow(clippy::disallowed_methods, reason = "oracles take the platform's functions, in double precision")]
 

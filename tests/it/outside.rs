@@ -363,7 +363,7 @@ fn searches_can_be_used_again() {
         let fresh = synth.grow(&mut expected.clone(), seed, &Silent).expect("a tree");
         assert_eq!(again, fresh);
         assert_eq!(Ok(&again.skeleton), synth.synthesize_on(&graph, seed).as_ref());
-        // How the tree lies in its graph.
+        // Places of the tree's nodes in its graph.
         assert_eq!(again.nodes, search.tree());
         let positions: Vec<Vec3> = again.nodes.iter().map(|&node| graph.position(node)).collect();
         assert_eq!(again.skeleton.positions(), &positions[..]);

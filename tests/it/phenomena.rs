@@ -1,4 +1,4 @@
-//! What the example `phenomena` makes, held to what its pictures claim.
+//! The results of the example `phenomena`, held to what its pictures claim.
 #![allow(dead_code, reason = "pictures are drawn by the example alone")]
 
 #[path = "../../examples/phenomena/cracks.rs"]

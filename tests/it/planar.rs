@@ -119,7 +119,8 @@ fn no_edges_cross() {
     );
 }
 
-/// By the definition: two nodes are linked if some circle through both and a third holds no other.
+/// Delaunay's definition: two nodes are linked if some circle through both and a third holds no
+/// other.
 #[test]
 fn the_triangulation_is_delaunays() {
     for seed in 1..=10 {

@@ -260,7 +260,7 @@ fn unknown_and_missing_fields_are_told_with_line_and_place() {
     assert_eq!(Recipe::from_json("").unwrap_err().to_string(), "line 1: recipe: EOF while parsing a value");
 }
 
-/// What the builder refuses, the text refuses with the same words.
+/// The text refuses the values that the builder refuses, with the same words.
 #[test]
 fn values_out_of_range_give_the_builders_errors() {
     let preset = presets::by_name("fine-ash").unwrap().guided().unwrap();

@@ -123,7 +123,7 @@ fn limbs_become_smooth() {
     let before = after(&synth(2), 2);
     let relaxed = after(&synth(2), 3);
     // Forks count too, and they keep their angles.
-    assert!(relaxed < 0.75 * before, "{before} to {relaxed} radians a metre");
+    assert!(relaxed < 0.75 * before, "{before} to {relaxed} radians per metre");
     assert!(relaxed < 0.9 * after(&synth(0), 3));
 }
 

@@ -1,4 +1,5 @@
-//! What several tests need: graphs, strategies of a test's own, and a plain search for near points.
+//! Parts that several tests need: graphs, strategies of a test's own, and a plain search for near
+//! points.
 
 use proptest::test_runner::Config;
 use treesynth::glam::{DVec3, IVec3, Vec3};
@@ -6,7 +7,7 @@ use treesynth::guided::{Edge, EndpointError, Graph, GraphBuilder, PoissonYao, St
 use treesynth::shape::Cuboid;
 use treesynth::{EndpointPolicy, Silent, WeightFn};
 
-/// So many cases a property, and no files beside the sources.
+/// This number of cases per property, and no files beside the sources.
 pub(crate) fn cases(count: u32) -> Config {
     Config { cases: count, failure_persistence: None, ..Config::default() }
 }

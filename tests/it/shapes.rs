@@ -66,7 +66,7 @@ fn a_mesh_is_a_region_a_crown_and_a_guidance_shape() -> Result<(), Box<dyn std::
     assert!((surface.diameters()[0] / exact - 1.0).abs() < 1e-4);
     let above = surface.positions().iter().filter(|p| p.y > 3.0 && p.x > 0.0 && p.z > 0.0).count();
     assert!((30..=45).contains(&above), "an eighth of the surface holds {above} of 300");
-    // What crosses the surface by `contains` alone finds the same area.
+    // A shape whose surface is found by `contains` alone has the same area.
     let crossed = GuidanceShape::on_surface(&Plain(mesh), 300, 1)?;
     assert!((crossed.diameters()[0] / exact - 1.0).abs() < 0.03);
     let growth = VariationalSynth::new(inside.joined(&surface)).synthesize(1)?;
@@ -80,7 +80,7 @@ fn seen(points: impl IntoIterator<Item = Vec3>) -> BTreeSet<(i32, i32)> {
     points.into_iter().map(cell).collect()
 }
 
-/// What two views share, of all that either shows.
+/// The part that two views share, of all that either shows.
 fn likeness(a: &BTreeSet<(i32, i32)>, b: &BTreeSet<(i32, i32)>) -> f32 {
     a.intersection(b).count() as f32 / a.union(b).count() as f32
 }

@@ -1,4 +1,4 @@
-//! What a tree's surface promises to those who draw it and to those who bump into it.
+//! Guarantees of a tree's surface for those who draw it and for those who bump into it.
 
 use crate::sample::cases;
 use proptest::prelude::*;
@@ -13,7 +13,7 @@ fn tree(name: &str, nodes: usize) -> Skeleton {
     tree.relaxed(0.5, 3).expect("sound options")
 }
 
-/// How much of a picture the tree covers; twigs finer than a pixel cover a part of it.
+/// The part of a picture that the tree covers; twigs finer than a pixel cover a part of it.
 fn coverage(level: &Level, frame: Bounds) -> f64 {
     let preview = Preview::default()
         .with_size(240, 240)

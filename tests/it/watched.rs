@@ -37,7 +37,7 @@ impl Observer for Counter {
     }
 }
 
-/// What became of some work.
+/// The end of some work.
 enum End {
     /// It went to its end, over so many units of what it makes.
     Done(usize),
@@ -279,7 +279,7 @@ fn skeletons_as_text() {
     asked_of(&kind);
 }
 
-/// What is watched is what is made without.
+/// The result is the same with an observer and without.
 #[test]
 fn watching_changes_nothing() {
     let tree = thick();

@@ -9,7 +9,7 @@ use tempfile::TempDir;
 /// A folder in which the program runs.
 pub(crate) struct World(TempDir);
 
-/// What a run left.
+/// Results of a run.
 #[derive(Debug)]
 pub(crate) struct Run {
     pub(crate) status: Option<i32>,

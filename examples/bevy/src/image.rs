@@ -5,7 +5,7 @@ use bevy_image::{Image, ImageAddressMode, ImageFilterMode, ImageSampler, ImageSa
 use treesynth::texture;
 use wgpu_types::{Extent3d, TextureDimension, TextureFormat};
 
-/// What an image is for.
+/// Use of an image.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Use {
     /// Colours, sRGB; with the alpha below which pixels are not drawn, if they are not: smaller sizes keep as much of it.

@@ -11,11 +11,11 @@ use treesynth::surface::Part;
 /// A mesh, its images and colours, and where it stands.
 #[derive(Debug, Clone)]
 pub struct Piece {
-    /// What it is: `bark`, `leaves`, `cards`, `impostor`.
+    /// Its kind: `bark`, `leaves`, `cards`, `impostor`.
     pub name: String,
     /// The mesh once.
     pub mesh: Mesh,
-    /// Where the mesh stands; one place for bark. [`all`](Self::all) has them in one mesh.
+    /// Places of the mesh; one place for bark. [`all`](Self::all) has them in one mesh.
     pub places: Vec<Transform>,
     /// All copies in one mesh, with the tint of each; nothing if there is one place, the root.
     pub all: Option<Mesh>,
@@ -23,7 +23,7 @@ pub struct Piece {
     pub color: [f32; 3],
     /// 0 (a mirror) to 1.
     pub roughness: f32,
-    /// Whether it is seen from behind, too.
+    /// `true` if it is seen from behind, too.
     pub double_sided: bool,
     /// Alpha below which a pixel is not drawn.
     pub alpha_cutoff: Option<f32>,

@@ -13,7 +13,7 @@ use treesynth::species::Species;
 use treesynth::surface::{Material, Mesh, Part, Sway, Tubes};
 use treesynth::{Metrics, Observer, Skeleton, Work};
 
-/// What is asked for; what is left out is the default.
+/// A request for a tree; fields that are left out have the default.
 #[derive(Debug, Clone, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct Ask {
@@ -123,7 +123,7 @@ struct Tree<'a> {
     age: Option<f32>,
 }
 
-/// What is seen of it.
+/// The look of the tree.
 enum Look {
     Asset(Box<Asset>),
     Preview(Box<Mesh>, Material, Vec<Leaves>),
@@ -162,9 +162,12 @@ fn preview<'a>(bark: Mesh, material: Material, leaves: impl Iterator<Item = &'a 
     Look::Preview(Box::new(bark), material, few.filter(|leaves| !leaves.instances.is_empty()).collect())
 }
 
-/// Tubes of few triangles.
-fn thin() -> Tubes {
-    Tubes::default().with_sides(6).with_least_sides(3).with_root_flare(0.0)
+/// Error of a preview's tubes, as a share of the tree's height: a pixel or two of the page.
+const PREVIEW_ERROR: f32 = 0.002;
+
+/// Tubes of few triangles for a tree of some height, metres.
+fn coarse(height: f32) -> Tubes {
+    Tubes::default().with_error((PREVIEW_ERROR * height).max(1e-4)).with_collars(false).with_root_flare(0.0)
 }
 
 fn of_species<'a>(
@@ -200,7 +203,7 @@ fn of_species<'a>(
     let look = if ask.format == "json" {
         Look::Nothing
     } else if ask.preview {
-        preview(tree.bark_mesh(&thin())?, Material::white(), tree.foliage())
+        preview(tree.bark_mesh(&coarse(tree.numbers.height))?, Material::white(), tree.foliage())
     } else {
         let mut levels = match ask.wind {
             true => tree.levels_in_wind(Some(ask.budget), ask.textures, &[1.0])?,
@@ -254,7 +257,7 @@ fn of_preset(
     let look = if ask.format == "json" {
         Look::Nothing
     } else if ask.preview {
-        preview(thin().mesh(&skeleton)?, preset.bark(), leaves.iter())
+        preview(coarse(treesynth::metrics::height(&skeleton) as f32).mesh(&skeleton)?, preset.bark(), leaves.iter())
     } else {
         Look::Asset(Box::new(preset_asset(ask, preset, &skeleton, leaves.as_slice())?))
     };

@@ -1,4 +1,5 @@
-//! What the page asks of the library: a list of trees with what can be set on them, and one tree as a file.
+//! The library as the page uses it: a list of trees with what can be set on them, and one tree as a
+//! file.
 //!
 //! The functions below `module` are all that the WebAssembly module exports; the rest is plain Rust, which the program
 //! `native` calls too, so that a test can compare the bytes.

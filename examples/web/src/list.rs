@@ -1,4 +1,4 @@
-//! What can be asked for, and what can be set on it, for the page to make controls of.
+//! Trees that can be asked for, and their options, for the page to make controls of.
 
 use serde_json::{Value, json};
 use treesynth::presets;

@@ -1,5 +1,6 @@
-//! What the WebAssembly module exports. The page writes JSON to where [`input`] says, calls [`run`], and reads what
-//! [`output`] says. A page has one module a worker, so one call at a time.
+//! Exports of the WebAssembly module. The page writes JSON to where [`input`] says, calls [`run`],
+//! and reads the result from where [`output`] says. A page has one module per worker, so one call
+//! at a time.
 
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
@@ -9,7 +10,7 @@ static FILE: Mutex<Vec<u8>> = Mutex::new(Vec::new());
 
 #[link(wasm_import_module = "page")]
 unsafe extern "C" {
-    /// How much is done, 0 to 1, and the name of what is being done.
+    /// Progress of the work, 0 to 1, and its name.
     safe fn progress(fraction: f32, name: *const u8, length: usize);
 }
 
@@ -51,13 +52,13 @@ pub extern "C" fn run() -> u32 {
     }
 }
 
-/// Where a result begins, and how long it is: 0 the report, 1 the file.
+/// Address of a result: 0 the report, 1 the file.
 #[unsafe(no_mangle)]
 pub extern "C" fn output(which: u32) -> *const u8 {
     open(if which == 0 { &REPORT } else { &FILE }).as_ptr()
 }
 
-/// How long it is.
+/// Length of a result.
 #[unsafe(no_mangle)]
 pub extern "C" fn output_length(which: u32) -> usize {
     open(if which == 0 { &REPORT } else { &FILE }).len()

@@ -347,7 +347,7 @@ struct Placement {
     tint: [f32; 3],
 }
 
-/// A value a vertex: those of the mesh, or of each copy of it one by one.
+/// One value per vertex: those of the mesh, or of each copy of it one by one.
 fn vertices<T, const N: usize>(
     writer: &mut impl Write,
     array: &[T],
@@ -376,7 +376,7 @@ fn vertices<T, const N: usize>(
     writer.write_all(&bytes)
 }
 
-/// Thousands of elements a call, since calls cost more than bytes.
+/// Thousands of elements per call, since calls cost more than bytes.
 fn write_all<T, const M: usize, const N: usize>(
     writer: &mut impl Write,
     array: &[T],

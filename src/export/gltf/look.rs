@@ -10,7 +10,7 @@ use std::collections::BTreeMap;
 /// Half of the light that a leaf scatters goes through it, where there is an image of that light.
 const TRANSMITTED: f32 = 0.5;
 
-/// Steps a channel of tints that are materials of their own.
+/// Steps per channel of tints that are materials of their own.
 const TINTS: f32 = 32.0;
 
 /// All materials, and their images.

@@ -23,7 +23,7 @@ pub enum Instancing {
     /// Blender and three.js read it (`scripts/check_exports`), and others; a program that does not shows one
     /// leaf at the trunk base.
     Extension,
-    /// A node an instance, which every program reads: about 200 bytes each, and as many objects in the
+    /// One node per instance, which every program reads: about 200 bytes each, and as many objects in the
     /// program. Each tint is a material of its own, rounded to 32 steps per channel, so that there are not
     /// too many.
     Nodes,
@@ -191,7 +191,7 @@ impl GlbOptions {
             true,
             "false with a breeze, whose bones are in metres",
         )?;
-        let range = "falling numbers from 1 to 0, one a level, or none";
+        let range = "falling numbers from 1 to 0, one per level, or none";
         ParameterError::unless(holds, "GlbOptions.coverages", coverages, range)?;
         let origin = self.origin;
         ParameterError::unless(origin.is_finite(), "GlbOptions.origin", origin, "finite, metres")

@@ -47,7 +47,7 @@ pub struct GridField {
 
 crate::recipe::readable!(GridField { zero_outside: bool });
 
-/// Why there is no field.
+/// Error of making a field from a grid.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum GridFieldError {

@@ -40,13 +40,15 @@ struct Limb<'a> {
     stroke: &'a Stroke,
     number: usize,
     order: u16,
-    /// Where its plane is moved to, and how it leaves it, a metre of its way.
+    /// Offset of its plane in metres (`shift`), and its distance from that plane per metre of its
+    /// way (`lean`).
     shift: Vec3,
     lean: Vec3,
 }
 
-/// Distances in parts of the detail: a stroke that starts so near to a node starts there, one so near to an internode
-/// divides it, and one farther away starts from a node if that is so near.
+/// Distances in parts of the detail: a stroke starts at a node within `SAME`, and divides an
+/// internode within `ON`; from farther away it starts at a node within `AT_NODE` of the nearest
+/// place.
 const SAME: f32 = 1e-5;
 const ON: f32 = 0.05;
 const AT_NODE: f32 = 0.1;
@@ -284,7 +286,7 @@ impl Joined {
     }
 }
 
-/// One key a place; plus zero, so that -0 is 0.
+/// One key per place; plus zero, so that -0 is 0.
 fn bits(place: Vec3) -> [u32; 3] {
     (place + Vec3::ZERO).to_array().map(f32::to_bits)
 }

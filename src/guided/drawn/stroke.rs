@@ -12,7 +12,7 @@ use glam::{Vec2, Vec3};
 /// ```
 /// use treesynth::{glam::{Vec2, Vec3}, guided::Canvas};
 ///
-/// // A picture of 100 units a metre, seen from the east, with the trunk base at (400, 0).
+/// // A picture of 100 units per metre, seen from the east, with the trunk base at (400, 0).
 /// let side = Canvas::new(Vec3::Z * -4.0, Vec3::Z * 0.01, Vec3::Y * 0.01);
 /// assert!(side.point(Vec2::new(400.0, 150.0)).abs_diff_eq(Vec3::Y * 1.5, 1e-5));
 /// ```
@@ -26,7 +26,7 @@ pub struct Canvas {
 
 impl Canvas {
     /// The point (0, 0) of the drawing is at `base`, metres; a unit to the right and a unit upwards are the vectors
-    /// `right` and `up`, whose lengths are metres a unit. They are finite and not parallel.
+    /// `right` and `up`, whose lengths are metres per unit. They are finite and not parallel.
     pub fn new(base: Vec3, right: Vec3, up: Vec3) -> Self {
         Self { base, right, up }
     }
@@ -55,7 +55,7 @@ impl Canvas {
         ParameterError::unless(self.base.is_finite(), "Canvas.base", self.base, "finite, in metres")?;
         for (name, vector) in [("Canvas.right", self.right), ("Canvas.up", self.up)] {
             let fits = vector.is_finite() && vector.length_squared() > f32::MIN_POSITIVE;
-            ParameterError::unless(fits, name, vector, "finite and not zero, in metres a unit")?;
+            ParameterError::unless(fits, name, vector, "finite and not zero, in metres per unit")?;
         }
         let area = self.right.normalize().cross(self.up.normalize()).length();
         ParameterError::unless(area > 1e-3, "Canvas.up", self.up, "not parallel to Canvas.right")

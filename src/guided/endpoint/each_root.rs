@@ -7,7 +7,8 @@ use crate::parameter::ParameterError;
 use crate::shape::Shape;
 use glam::{DVec3, Vec3};
 
-/// A trunk's top above each root: the reachable node nearest to the point so many metres above it.
+/// A trunk's top above each root: the reachable node nearest to the point at this height above it,
+/// in metres.
 ///
 /// Straighter trunks, which stand from the beginning: [`PoissonYao::with_leader`](crate::guided::PoissonYao::with_leader).
 /// A node that is nearest for two roots counts once. O((n + m) log n) for m roots.
@@ -65,8 +66,9 @@ impl EndpointPolicy for AboveEachRoot {
 
 /// Endpoints in a crown of each root's own: a shape that is moved to the root, its places Poisson-disc.
 ///
-/// What lies in the crowns of several roots is the nearest root's, so neighbours share the room between them. Which tree
-/// comes to an endpoint is for the search to say: that whose path costs least. O(n m) for m roots.
+/// Endpoints in the crowns of several roots belong to the nearest root, so neighbours share the
+/// room between them. The search decides which tree reaches an endpoint: the one whose path costs
+/// least. O(n m) for m roots.
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
 pub struct AroundEachRoot<S> {

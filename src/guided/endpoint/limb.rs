@@ -5,11 +5,12 @@ use super::{EndpointError, EndpointPolicy, Side, StageView};
 use crate::parameter::ParameterError;
 use crate::random::{Purpose, derive};
 
-/// Endpoints allotted branch by branch: so many metres of each branch bear one, so that every branch is clothed, the
-/// inner and the thin ones too.
+/// Endpoints allotted branch by branch: each branch bears one every few metres (the spacing), so
+/// that every branch is clothed, the inner and the thin ones too.
 ///
-/// Candidates are the nodes k hops from the tree, as in [`HopSurface`](super::HopSurface); which branch one belongs to is where its
-/// least-cost path leaves the tree. Each branch is divided into equal parts, and in each part one candidate is drawn.
+/// Candidates are the nodes k hops from the tree, as in [`HopSurface`](super::HopSurface); each
+/// belongs to the branch where its least-cost path leaves the tree. Each branch is divided into
+/// equal parts, and in each part one candidate is drawn.
 ///
 /// O(n log n).
 ///
@@ -51,7 +52,7 @@ crate::recipe::readable!(LimbSurface { bare_base: f32, least_order: u16 });
 
 impl LimbSurface {
     /// One endpoint, `hops` edges off the tree, for every `spacing` metres of each branch, the trunk included; at least
-    /// one a branch where there are candidates. Finite and above 0.
+    /// one per branch where there are candidates. Finite and above 0.
     pub fn new(hops: u32, spacing: f32) -> Self {
         Self { surface: Surface::new(hops, 1.0), spacing, bare_base: 0.0, least_order: 0 }
     }

@@ -1,4 +1,4 @@
-//! Which nodes branches grow to (sections 3.2.2 to 3.2.4).
+//! Policies that choose the nodes to which branches grow (sections 3.2.2 to 3.2.4).
 
 mod each_root;
 mod limb;
@@ -24,8 +24,8 @@ use std::sync::Arc;
 /// - Endpoints are nodes of the graph; any other ends the synthesis with [`SearchError::UnknownEndpoint`]. One that
 ///   no path leads to ends it with [`SearchError::Unreachable`]; [`StageView::is_reachable`] tells them apart.
 ///   One that is named twice or is on the tree already is allowed and adds nothing.
-/// - What looks at costs, paths or sources says so in [`needs_search`](Self::needs_search). If it does not, it is
-///   asked before the search, and sees none.
+/// - A policy that looks at costs, paths or sources says so in [`needs_search`](Self::needs_search). If it
+///   does not, it is asked before the search, and sees none.
 /// - The same view gives the same endpoints: randomness comes from [`StageView::stream`].
 ///
 /// [`SearchError::UnknownEndpoint`]: super::SearchError::UnknownEndpoint
@@ -54,8 +54,8 @@ pub trait EndpointPolicy: Send + Sync {
     /// When there are not enough candidates, or for a reason of your own.
     fn select(&self, view: &StageView<'_>) -> Result<Vec<u32>, EndpointError>;
 
-    /// Whether the choice depends on the stage's search. If not, the search stops once all endpoints are
-    /// settled, which is faster and finds the same paths.
+    /// `true` if the choice depends on the stage's search. If false, the search stops once all
+    /// endpoints are settled, which is faster and finds the same paths.
     fn needs_search(&self) -> bool {
         false
     }
@@ -86,7 +86,7 @@ macro_rules! forward {
 }
 forward!(&T, Box<T>, Arc<T>);
 
-/// Why a policy found no endpoints.
+/// Error of choosing endpoints.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum EndpointError {
@@ -114,7 +114,7 @@ pub enum EndpointError {
 )]
 #[non_exhaustive]
 pub enum Count {
-    /// Exactly so many; an error if there are fewer candidates.
+    /// Exactly this number; an error if there are fewer candidates.
     Exactly(usize),
     /// This number, or all candidates if they are fewer; at least one.
     UpTo(usize),
@@ -153,7 +153,8 @@ impl Count {
         if wanted <= available { Ok(wanted) } else { Err(EndpointError::TooFew { wanted, available, place }) }
     }
 
-    /// So many of the candidates, all equally likely: those that draw the lowest numbers, whatever their order.
+    /// This count of the candidates, all equally likely: those that draw the lowest numbers,
+    /// whatever their order.
     fn choose(
         self,
         mut candidates: Vec<u32>,
@@ -211,7 +212,7 @@ impl<'a> StageView<'a> {
         stream(self.seed, self.stage as u32, Purpose::ENDPOINTS, 0)
     }
 
-    /// Whether a path leads to `node`: as far as edges go before the search, for certain after it.
+    /// `true` if a path leads to `node`: as far as edges go before the search, for certain after it.
     pub fn is_reachable(&self, node: u32) -> bool {
         if self.search.is_complete() {
             self.search.is_settled(node)

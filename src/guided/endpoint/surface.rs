@@ -31,18 +31,18 @@ impl HopSurface {
         self.surface.hops
     }
 
-    /// How many endpoints.
+    /// Number of endpoints.
     pub fn count(&self) -> Count {
         self.count
     }
 
-    /// What [`only`](Self::only) sets.
+    /// The side set by [`only`](Self::only).
     pub fn side(&self) -> Option<Side> {
         self.surface.side
     }
 }
 
-/// Which of the nodes around the tree endpoints are drawn from.
+/// Options for drawing endpoints from the nodes around the tree.
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
 pub(super) struct Surface {

@@ -113,12 +113,12 @@ pub struct InShape<S> {
 }
 
 impl<S> InShape<S> {
-    /// Where endpoints lie.
+    /// Shape in which endpoints lie.
     pub fn shape(&self) -> &S {
         &self.shape
     }
 
-    /// How many endpoints.
+    /// Number of endpoints.
     pub fn count(&self) -> Count {
         self.count
     }
@@ -156,7 +156,7 @@ impl<S: Shape> EndpointPolicy for InShape<S> {
     }
 }
 
-/// Radii an octave, and octaves each way from 1 m.
+/// Radii per octave, and octaves each way from 1 m.
 const RADII: i32 = 16;
 const OCTAVES: i32 = 128;
 
@@ -236,7 +236,7 @@ impl Discs {
         self.cells[cell].push(place);
     }
 
-    /// Whether no place lies within the radius.
+    /// `true` if no place lies within the radius.
     fn is_free(&self, place: Vec3) -> bool {
         let cell = self.cell_of(place);
         let (low, high) = ((cell - 1).max(IVec3::ZERO), (cell + 1).min(self.dims - 1));

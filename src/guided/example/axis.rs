@@ -20,7 +20,12 @@ const NODES: usize = 2;
 impl Axis {
     pub(super) fn of(skeleton: &Skeleton, branch: &Branch<'_>) -> Self {
         let nodes = branch.nodes().to_vec();
-        let points: Vec<Vec3> = nodes.iter().map(|&node| skeleton.positions()[node as usize]).collect();
+        let points = nodes.iter().map(|&node| skeleton.positions()[node as usize]).collect();
+        Self::new(nodes, points)
+    }
+
+    /// Nodes and where they are.
+    pub(super) fn new(nodes: Vec<u32>, points: Vec<Vec3>) -> Self {
         let mut ways = vec![0.0];
         for pair in points.windows(2) {
             ways.push(ways[ways.len() - 1] + pair[0].distance(pair[1]));
@@ -55,7 +60,8 @@ impl Axis {
         (self.points[after] - self.points[before]).normalize_or(UP)
     }
 
-    /// How much steeper its first half stands than its second, in radians of tilt for a metre: above 0 it turns down.
+    /// Difference in tilt between its second half and its first, in radians per metre: above 0 it
+    /// turns down.
     pub(super) fn bend(&self) -> f32 {
         let middle = self.place(0.5).max(1).min(self.points.len() - 1);
         let tilt = |way: Vec3| crate::math::angle_between(way, UP);

@@ -1,4 +1,4 @@
-//! Where laterals after an example end, and what keeps their paths to their order.
+//! Endpoints of laterals after an example, and a weight that keeps their paths to their order.
 
 use super::axis::{Axis, frame};
 use super::learn::{Crown, Lateral, Model};
@@ -13,7 +13,7 @@ use rand_chacha::ChaCha8Rng;
 use std::f32::consts::TAU;
 use std::sync::Arc;
 
-/// Endpoints for the laterals of all branches of one order: each branch takes those of a branch of about its length in
+/// The laterals of all branches of one order, and their tips as endpoints: each branch takes those of a branch of about its length in
 /// the example, and scales them to its own.
 #[derive(Debug, Clone)]
 pub(super) struct LateralsLike {
@@ -25,19 +25,28 @@ pub(super) struct LateralsLike {
     /// Lengths for those of the model's.
     pub(super) stretch: Vec3,
     pub(super) crown: Crown,
-    /// Whether the example's trunk bears its limbs to all sides; if not, each keeps its own.
+    /// `true` if the example's trunk bears its limbs to all sides; if false, each keeps its own.
     pub(super) round: bool,
 }
 
-/// How much longer a branch may be than the one it is modelled on, or shorter; and the most that one is drawn from, each way.
+/// A lateral to be: the place of its base on its parent branch, and the way from there to its tip, metres.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Planned {
+    pub(super) place: usize,
+    pub(super) way: Vec3,
+}
+
+/// Largest ratio between the lengths of a branch and of its model, either way; and the number of
+/// models on each side that it is drawn from.
 const LIKE: f32 = 1.25;
 const MODELS: usize = 6;
 /// Laterals up and down the trunk that a limb takes its form from.
 const NEIGHBOURS: f32 = 4.0;
 /// The golden angle: limbs of a trunk in turn lie in gaps of those before.
 const GOLDEN_ANGLE: f32 = 2.399_963;
-/// How much farther back than the crown's end, at most, what would leave it ends; the least share of its length that is left;
-/// and steps to find that.
+/// For a lateral that would leave the crown: largest share of the way to the crown's end by which
+/// it ends short of it; least share of its length that is left before that; and steps of the search
+/// for the crown's end.
 const BACK: f32 = 0.15;
 const LEAST: f32 = 0.3;
 const STEPS: usize = 8;
@@ -54,9 +63,10 @@ impl LateralsLike {
         self.models.get(random.random_range(low..=high))
     }
 
-    /// Ends of the laterals of one branch.
-    fn targets(&self, axis: &Axis, random: &mut ChaCha8Rng, targets: &mut Vec<Vec3>) {
-        let Some(model) = self.model(axis.length(), random) else { return };
+    /// Laterals of one branch.
+    pub(super) fn of_branch(&self, axis: &Axis, random: &mut ChaCha8Rng) -> Vec<Planned> {
+        let mut planned = Vec::new();
+        let Some(model) = self.model(axis.length(), random) else { return planned };
         let scale = (axis.length() / model.length.max(1e-6)).clamp(0.5, 2.0);
         let gap = 1.0 / model.laterals.len().max(1) as f32;
         let mirrored = if random.random::<bool>() { 1.0 } else { -1.0 };
@@ -101,9 +111,10 @@ impl LateralsLike {
                     }
                     way *= inside.max(LEAST) * (1.0 - BACK * random.random::<f32>());
                 }
-                targets.push(base + way);
+                planned.push(Planned { place, way });
             }
         }
+        planned
     }
 
     /// A limb has the form of a near one, and a side of its own.
@@ -126,7 +137,9 @@ impl EndpointPolicy for LateralsLike {
             for (number, branch) in (0u64..).zip(tree.branches().iter()) {
                 if branch.order() == self.order {
                     let mut random = stream(view.seed(), view.stage() as u32, Purpose::ENDPOINTS, number);
-                    self.targets(&Axis::of(&tree, &branch), &mut random, &mut targets);
+                    let axis = Axis::of(&tree, &branch);
+                    let planned = self.of_branch(&axis, &mut random);
+                    targets.extend(planned.iter().map(|lateral| axis.points[lateral.place] + lateral.way));
                 }
             }
         }
@@ -170,7 +183,8 @@ impl WeightFn for FromOrder {
     }
 }
 
-/// Whether limbs of a trunk point to all sides: no direction has most of them, nor any two that are opposite.
+/// `true` if limbs of a trunk point to all sides: no direction has most of them, nor any two that are
+/// opposite.
 pub(super) fn is_round(trunk: &Model) -> bool {
     let mut sums = [0.0f32; 4];
     let mut all = 0.0;

@@ -1,4 +1,4 @@
-//! What is measured on an example.
+//! Measurements on an example.
 
 use super::axis::{Axis, frame};
 use crate::math::{UP, ln};
@@ -37,7 +37,8 @@ pub struct OrderTraits {
     pub angle: f32,
     /// Its standard deviation, radians.
     pub angle_spread: f32,
-    /// Change of their tilt along the way, radians a metre, the mean weighted by length: above 0 they turn down.
+    /// Change of their tilt along the way, radians per metre, the mean weighted by length: above 0 they turn
+    /// down.
     pub bend: f32,
     /// Metres of parent branches, bare bases not counted, for one of them; 0 for the trunk.
     pub spacing: f32,
@@ -189,8 +190,8 @@ impl Crown {
 pub struct TrunkTraits {
     /// From its base to its top, metres.
     pub chord: Vec3,
-    /// How far it strays from that line, over the line's length; less where a [`Leader`](crate::guided::Leader) would become
-    /// longer than it is.
+    /// Largest distance of its nodes from that line, over the line's length, at most 0.5; less
+    /// where a [`Leader`](crate::guided::Leader) would become longer than it is.
     pub waywardness: f32,
     /// Metres of trunk below the first branch.
     pub clear_bole: f32,

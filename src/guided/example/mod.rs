@@ -32,10 +32,11 @@ use std::sync::Arc;
 /// they bend, how long they are and where they end; the trunk's length, waywardness, clear bole and diameter; the
 /// crown's extent at each height; and thickness by the share of tips that a branch bears.
 ///
-/// The synthesizer has one stage an order. Its endpoints are laterals of the example's branches of like length, scaled
+/// The synthesizer has one stage per order. Its endpoints are laterals of the example's branches of like length, scaled
 /// to the branch that bears them, at other places and to other sides for each seed; its rule is a
 /// [`ForkAngle`] with the measured angle and spread, then a [`Bend`]. The graph's irregularity changes angles, lengths and
-/// numbers a little: [`tuned`](Self::tuned) grows trees, measures them in the same way and corrects for it.
+/// numbers: [`grow`](Self::grow) draws the branches anew and adds those that the graph had no room for, and
+/// [`tuned`](Self::tuned) grows trees, measures them in the same way and corrects for the rest.
 ///
 /// Endpoints are drawn as from a sample, so what the example never does does not happen: one tree says little about
 /// its kind.
@@ -99,12 +100,14 @@ impl Tuning {
 
 /// Branches of higher orders are not grown.
 const ORDERS: usize = 8;
-/// Edges of the graph are so many spacings long.
+/// Mean length of the graph's edges, in spacings.
 const EDGE: f32 = 1.25;
 /// Nodes in a cube of the spacing.
 const DENSITY: f32 = 0.67;
 /// Spacings in a lateral of common length, so that it can have a direction of its own.
 const FINE: f32 = 4.0;
+/// Spacings in a lateral of common length, so that it can be a path at all.
+const COARSE: f32 = 2.0;
 /// No number or length is corrected beyond these.
 const LEAST: f32 = 0.4;
 const MOST: f32 = 3.0;
@@ -164,9 +167,10 @@ impl Example {
         self.trunk
     }
 
-    /// Grows `trials` trees, one after the other, on graphs of about `nodes` nodes, and after each corrects numbers, lengths
-    /// and angles of each order, and the crown's width and height, by what is measured on it. 4 trials are a good number; the
-    /// correction is for that many nodes. The time of so many trees.
+    /// Grows `trials` trees, one after the other, on graphs of about `nodes` nodes, and after each
+    /// corrects numbers, lengths and angles of each order, and the crown's width and height, by
+    /// what is measured on it. 8 trials are a good number; the correction is for that many nodes.
+    /// Takes as long as growing the `trials` trees.
     ///
     /// # Errors
     /// As [`TreeSynth::synthesize`].
@@ -218,12 +222,15 @@ impl Example {
 
     /// Grows a tree of the kind on a graph of about `nodes` nodes, as [`synth`](Self::synth) does, and draws its branches
     /// anew, from the same places to the same tips: with internodes as long as the example's, as straight, and at first
-    /// angles drawn from its own. A graph's nodes stand off each other, so that its paths cannot leave at 20°.
+    /// angles drawn from its own. A graph's nodes stand off each other, so that its paths cannot leave at 20°, and paths merge:
+    /// laterals that a branch of such a length has in the example are added where they lack, until each order has the example's
+    /// number of branches within 10%.
     ///
     /// # Errors
     /// As [`TreeSynth::synthesize`].
     pub fn grow(&self, nodes: usize, seed: u64) -> Result<Skeleton, SynthesisError> {
-        let tree = self.redraw.apply(&self.synth(nodes).synthesize(seed)?, seed)?;
+        let laterals: Vec<_> = (1..self.models.len()).map(|order| self.laterals(order)).collect();
+        let tree = self.redraw.apply(&self.pipeline(nodes, COARSE).synthesize(seed)?, &laterals, seed)?;
         let radii = self.radius().radii(&tree)?;
         Ok(tree.with_radii(radii)?)
     }
@@ -238,9 +245,29 @@ impl Example {
         }
     }
 
+    /// Laterals of some order, from 1.
+    fn laterals(&self, order: usize) -> LateralsLike {
+        let tuning = &self.tuning;
+        let stretch = Vec3::splat(tuning.stretches[order - 1]);
+        let wide = if order == 1 { Vec3::new(tuning.wide, 1.0, tuning.wide) } else { Vec3::ONE };
+        LateralsLike {
+            models: self.models[order - 1].clone(),
+            order: order as u16 - 1,
+            rate: tuning.rates[order - 1],
+            stretch: stretch * wide,
+            crown: self.crown.scaled(tuning.wide, tuning.high),
+            round: self.round,
+        }
+    }
+
     /// A synthesizer of more such trees on graphs of about `nodes` nodes in [2, 200000000]; a stage whose branches are too
     /// short for that has a finer graph around the tree.
     pub fn synth(&self, nodes: usize) -> TreeSynth {
+        self.pipeline(nodes, 0.0)
+    }
+
+    /// Stages for the orders whose common branch is at least `coarse` spacings long.
+    fn pipeline(&self, nodes: usize, coarse: f32) -> TreeSynth {
         let crown = self.crown.scaled(self.tuning.wide, self.tuning.high);
         let half = crown.widest().max(0.05 * crown.high) * 1.1;
         let (low, high) = ((crown.low * 1.05).min(0.0), crown.high * 1.1);
@@ -258,36 +285,28 @@ impl Example {
         let mut length = self.orders[0].length;
         for order in 1..self.models.len() {
             let own = self.orders[order];
-            let stretch = Vec3::splat(tuning.stretches[order - 1]);
-            let stretch =
-                if order == 1 { stretch * Vec3::new(tuning.wide, 1.0, tuning.wide) } else { stretch };
             let [mean, spread] = self.redraw.chords[order - 1];
             let angle = mean.clamp(0.02, 3.1);
             // A uniform distribution has a standard deviation of its half width over √3.
             let rule = ForkAngle::new(angle, Bend::constant(own.bend.clamp(-1.5, 1.5)).with_hop_length(1.0))
                 .with_spread((spread * 3f32.sqrt()).min(1.2));
-            let endpoints = LateralsLike {
-                models: self.models[order - 1].clone(),
-                order: order as u16 - 1,
-                rate: tuning.rates[order - 1],
-                stretch,
-                crown: crown.clone(),
-                round: self.round,
-            };
-            // Where the first limb is, less what makes room for it to be elsewhere.
+            // The clear bole, less a tenth that leaves the first limb room to be elsewhere.
             let clear = if order == 1 { 0.9 * self.trunk.clear_bole } else { 0.0 };
             let weight = FromOrder { order: order as u16 - 1, clear, price: own.length };
-            let mut stage = Stage::new(rule, endpoints).with_weight(weight);
+            let mut stage = Stage::new(rule, self.laterals(order)).with_weight(weight);
             let models = &self.models[order];
             let at = |share: f32| models[(share * (models.len() - 1) as f32) as usize].length;
             let reach = 1.2 * at(0.95) + 2.0 * spacing;
-            // What lies so near to the tree so far.
+            // Volume within reach of the tree so far.
             let around = (length * std::f32::consts::PI * reach * reach).min(volume);
             let wanted = (at(0.4) / FINE).max(self.internode / EDGE).max(finest(around, 1.5 * nodes as f32));
             if wanted < 0.75 * spacing {
                 spacing = wanted;
                 let hops = (reach / (1.3 * spacing)).ceil().clamp(3.0, 24.0) as u32;
                 stage = stage.with_refinement(Refinement::new(region, spacing).with_reach(hops));
+            }
+            if order > 1 && at(0.5) < coarse * spacing {
+                break;
             }
             length += own.length * own.count as f32;
             synth = synth.stage(stage);

@@ -115,7 +115,7 @@ fn tips(skeleton: &Skeleton) -> Vec<u32> {
     tips
 }
 
-/// How often the tips of the tree are halved for those of a branch.
+/// Number of times that the tips of the tree are halved to get those of a branch.
 fn halvings(all: u32, own: u32) -> f32 {
     ln(all as f32 / own as f32) / std::f32::consts::LN_2
 }

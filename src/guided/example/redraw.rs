@@ -1,6 +1,7 @@
 //! Branches of the graph drawn anew, with the example's internodes, angles and straightness.
 
 use super::axis::Axis;
+use super::laterals::{LateralsLike, Planned};
 use super::learn::{Model, chord_angles, models};
 use crate::math::{Rotation, UP, angle_between, perpendicular};
 use crate::metrics::{branch_angles, tortuosities};
@@ -8,9 +9,10 @@ use crate::random::{Purpose, stream};
 use crate::skeleton::{Skeleton, SkeletonError};
 use glam::{Mat3, Vec3};
 use rand::RngExt;
+use rand::seq::SliceRandom;
 
-/// What a graph cannot give: nodes stand off each other by its spacing, so that first internodes stand out wide, and paths
-/// wind.
+/// Traits of an example that a graph cannot give: its nodes keep their spacing, so that first
+/// internodes stand out wide, and paths wind.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Redraw {
     /// Metres, by order.
@@ -21,7 +23,12 @@ pub(super) struct Redraw {
     pub(super) chords: Vec<[f32; 2]>,
     /// Mean of way over chord.
     tortuosity: f32,
+    /// Branches of each order.
+    counts: Vec<usize>,
 }
+
+/// Share that the number of branches of an order may be above the example's, or below.
+const NUMBERS: f32 = 0.1;
 
 /// A branch drawn anew.
 #[derive(Debug, Clone)]
@@ -30,6 +37,9 @@ struct Drawn {
     nodes: Vec<(u32, f32)>,
     /// Rotation.
     turn: Mat3,
+    order: u16,
+    /// Places of its laterals.
+    bears: Vec<usize>,
 }
 
 fn mean_tortuosity(skeleton: &Skeleton) -> f32 {
@@ -61,11 +71,18 @@ impl Redraw {
             angles,
             chords: all_chords(models),
             tortuosity: mean_tortuosity(skeleton).max(1.0),
+            counts: models.iter().map(Vec::len).collect(),
         }
     }
 
-    /// The same branches from about the same bases to the same tips.
-    pub(super) fn apply(&self, tree: &Skeleton, seed: u64) -> Result<Skeleton, SkeletonError> {
+    /// The same branches from about the same bases to the same tips, then the `laterals`, by order from 1, that their branches
+    /// should have and the graph had no room for.
+    pub(super) fn apply(
+        &self,
+        tree: &Skeleton,
+        laterals: &[LateralsLike],
+        seed: u64,
+    ) -> Result<Skeleton, SkeletonError> {
         let branches = tree.branches();
         let axes: Vec<(u16, Axis)> =
             branches.iter().map(|branch| (branch.order(), Axis::of(tree, &branch))).collect();
@@ -83,48 +100,146 @@ impl Redraw {
         let kept =
             if winding > 0.0 { ((self.tortuosity - 1.0) / winding).clamp(0.0, 1.0).sqrt() } else { 0.0 };
         let found = all_chords(&models(tree));
-        let mut positions = vec![tree.positions()[0]];
-        let mut parents: Vec<Option<u32>> = vec![None];
-        let mut orders = vec![0u16];
-        let mut hops = vec![0u32];
-        let mut drawn: Vec<Drawn> = Vec::with_capacity(axes.len());
+        let mut drawing = Drawing::new(self, tree.positions()[0], seed);
         for (number, (order, axis)) in axes.iter().enumerate() {
-            let last = self.internodes.len() - 1;
-            let internode = self.internodes[usize::from(*order).min(last)].max(1e-6);
-            let least = if bears[number] { 2.0 } else { 1.0 };
-            let parts = (axis.length() / internode).round().clamp(least, 1e6) as u32;
-            let (mut base, mut turn, mut leaves) = (0, Mat3::IDENTITY, None);
+            let (mut parent, mut place, mut turn) = (0, 0, Mat3::IDENTITY);
             if number > 0 {
-                let (parent, share) = home[axis.nodes[0] as usize];
-                let place = drawn[parent].nearest(share, parent == 0);
-                base = drawn[parent].nodes[place].0;
-                let at = |node: u32| positions[node as usize];
-                let direction = if *order == 1 { UP } else { drawn[parent].direction(place, at) };
-                turn = self.turned(usize::from(*order), &found, direction, drawn[parent].turn * axis.chord())
-                    * drawn[parent].turn;
-                let before = parents[base as usize].map_or(UP, |before| at(base) - at(before));
-                let mut random = stream(seed, u32::from(*order), Purpose::LATERAL, number as u64);
-                let angles = &self.angles[usize::from(*order).min(last)];
-                if !angles.is_empty() {
-                    leaves = Some((before.normalize_or(UP), angles[random.random_range(0..angles.len())]));
-                }
+                let share;
+                (parent, share) = home[axis.nodes[0] as usize];
+                place = drawing.branches[parent].nearest(share, parent == 0);
+                let before = drawing.branches[parent].turn;
+                let direction = if *order == 1 { UP } else { drawing.direction(parent, place) };
+                turn = self.turned(usize::from(*order), &found, direction, before * axis.chord()) * before;
             }
-            let line = Line::new(axis, positions[base as usize], turn, kept, leaves);
-            let mut own = Drawn { nodes: vec![(base, 0.0)], turn };
-            let mut before = base;
-            for part in 1..=parts {
-                let share = part as f32 / parts as f32;
-                let node = positions.len() as u32;
-                positions.push(line.at(share, part == 1 && parts > 1));
-                parents.push(Some(before));
-                orders.push(*order);
-                hops.push(part);
-                own.nodes.push((node, share));
-                before = node;
-            }
-            drawn.push(own);
+            let least = if bears[number] { 2 } else { 1 };
+            drawing.draw(*order, (number > 0).then_some((parent, place)), axis, turn, kept, least);
         }
-        Skeleton::new(positions, parents)?.with_stages(orders.clone())?.with_hops(hops)?.with_orders(orders)
+        drawing.complete(laterals);
+        drawing.skeleton()
+    }
+}
+
+/// Branches drawn so far.
+struct Drawing<'a> {
+    redraw: &'a Redraw,
+    seed: u64,
+    positions: Vec<Vec3>,
+    parents: Vec<Option<u32>>,
+    orders: Vec<u16>,
+    hops: Vec<u32>,
+    branches: Vec<Drawn>,
+}
+
+impl<'a> Drawing<'a> {
+    fn new(redraw: &'a Redraw, root: Vec3, seed: u64) -> Self {
+        Self {
+            redraw,
+            seed,
+            positions: vec![root],
+            parents: vec![None],
+            orders: vec![0],
+            hops: vec![0],
+            branches: Vec::new(),
+        }
+    }
+
+    /// Adds a branch along an axis; all but the trunk leave a place of a parent branch.
+    fn draw(
+        &mut self,
+        order: u16,
+        parent: Option<(usize, usize)>,
+        axis: &Axis,
+        turn: Mat3,
+        kept: f32,
+        least: u32,
+    ) {
+        let number = self.branches.len();
+        let last = self.redraw.internodes.len() - 1;
+        let internode = self.redraw.internodes[usize::from(order).min(last)].max(1e-6);
+        let parts = (axis.length() / internode).round().clamp(least as f32, 1e6) as u32;
+        let (mut base, mut leaves) = (0, None);
+        if let Some((parent, place)) = parent {
+            base = self.branches[parent].nodes[place].0;
+            self.branches[parent].bears.push(place);
+            let angles = &self.redraw.angles[usize::from(order).min(last)];
+            if !angles.is_empty() {
+                let at = |node: u32| self.positions[node as usize];
+                let before = self.parents[base as usize].map_or(UP, |before| at(base) - at(before));
+                let mut random = stream(self.seed, u32::from(order), Purpose::LATERAL, number as u64);
+                leaves = Some((before.normalize_or(UP), angles[random.random_range(0..angles.len())]));
+            }
+        }
+        let line = Line::new(axis, self.positions[base as usize], turn, kept, leaves);
+        let mut own = Drawn { nodes: vec![(base, 0.0)], turn, order, bears: Vec::new() };
+        let mut before = base;
+        for part in 1..=parts {
+            let share = part as f32 / parts as f32;
+            let node = self.positions.len() as u32;
+            self.positions.push(line.at(share, part == 1 && parts > 1));
+            self.parents.push(Some(before));
+            self.orders.push(order);
+            self.hops.push(part);
+            own.nodes.push((node, share));
+            before = node;
+        }
+        self.branches.push(own);
+    }
+
+    /// Adds laterals that branches lack, order by order, up to about the example's number: paths of a graph merge, and twigs of
+    /// centimetres would take a graph of centimetres.
+    fn complete(&mut self, laterals: &[LateralsLike]) {
+        for (order, like) in (0u16..).zip(laterals) {
+            let mut missing = self.missing(order, like);
+            let mut random = stream(self.seed, u32::from(order), Purpose::COMPLETION, u64::MAX);
+            let share = 1.0 + NUMBERS * (2.0 * random.random::<f32>() - 1.0);
+            let wanted = (self.redraw.counts[usize::from(order) + 1] as f32 * share).round() as usize;
+            let there = self.branches.iter().filter(|branch| branch.order == order + 1).count();
+            missing.shuffle(&mut random);
+            missing.truncate(wanted.saturating_sub(there));
+            for (parent, Planned { place, way }) in missing {
+                let base = self.at(self.branches[parent].nodes[place].0);
+                let axis = Axis::new(vec![0, 0], vec![base, base + way]);
+                self.draw(order + 1, Some((parent, place)), &axis, Mat3::IDENTITY, 0.0, 1);
+            }
+        }
+    }
+
+    /// Laterals that branches of an order should have and have not, each with the number of its parent branch.
+    fn missing(&self, order: u16, like: &LateralsLike) -> Vec<(usize, Planned)> {
+        let mut missing = Vec::new();
+        let own = |(_, branch): &(usize, &Drawn)| branch.order == order && branch.nodes.len() > 2;
+        for (number, branch) in self.branches.iter().enumerate().filter(own) {
+            let nodes: Vec<u32> = branch.nodes.iter().map(|&(node, _)| node).collect();
+            let points = nodes.iter().map(|&node| self.at(node)).collect();
+            let mut random = stream(self.seed, u32::from(order), Purpose::COMPLETION, number as u64);
+            let mut planned = like.of_branch(&Axis::new(nodes, points), &mut random);
+            for &place in &branch.bears {
+                let near = (0..planned.len()).min_by_key(|&i| planned[i].place.abs_diff(place));
+                near.map(|near| planned.remove(near));
+            }
+            let least = usize::from(order > 0);
+            missing.extend(
+                planned.into_iter().map(|one| (number, Planned { place: one.place.max(least), ..one })),
+            );
+        }
+        missing
+    }
+
+    fn at(&self, node: u32) -> Vec3 {
+        self.positions[node as usize]
+    }
+
+    /// Direction of a branch over two nodes each way.
+    fn direction(&self, branch: usize, place: usize) -> Vec3 {
+        let nodes = &self.branches[branch].nodes;
+        let [before, after] = [place.saturating_sub(2), (place + 2).min(nodes.len() - 1)];
+        (self.at(nodes[after].0) - self.at(nodes[before].0)).normalize_or(UP)
+    }
+
+    fn skeleton(self) -> Result<Skeleton, SkeletonError> {
+        let stages = self.orders.clone();
+        let tree = Skeleton::new(self.positions, self.parents)?;
+        tree.with_stages(stages)?.with_hops(self.hops)?.with_orders(self.orders)
     }
 }
 
@@ -155,12 +270,6 @@ impl Drawn {
         let inner = usize::from(!is_trunk)..(self.nodes.len() - 1).max(1);
         let away = |place: &usize| (self.nodes[*place].1 - share).abs();
         inner.min_by(|a, b| away(a).total_cmp(&away(b))).unwrap_or(0)
-    }
-
-    /// Along it, over two nodes each way.
-    fn direction(&self, place: usize, at: impl Fn(u32) -> Vec3) -> Vec3 {
-        let [before, after] = [place.saturating_sub(2), (place + 2).min(self.nodes.len() - 1)];
-        (at(self.nodes[after].0) - at(self.nodes[before].0)).normalize_or(UP)
     }
 }
 

@@ -21,11 +21,12 @@ use std::num::NonZeroUsize;
 )]
 #[non_exhaustive]
 pub enum Edges {
-    /// The nearest node in each of so many sectors, in [3, 64], within reach; see [`PoissonYao::with_sectors`].
+    /// The nearest node in each of this number of sectors, in [3, 64], within reach; see
+    /// [`PoissonYao::with_sectors`].
     ///
     /// [`PoissonYao::with_sectors`]: super::PoissonYao::with_sectors
     Yao(usize),
-    /// The nearest node in each of so many equal wedges of the plane z = 0, in [3, 64].
+    /// The nearest node in each of this number of equal wedges of the plane z = 0, in [3, 64].
     PlanarYao(usize),
     /// This number of nearest nodes, in [1, 64]. Unlike sectors they may all lie on one side, so that clusters of nodes
     /// stay unconnected.

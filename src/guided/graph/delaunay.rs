@@ -15,13 +15,14 @@ const REACH: f32 = 4.0;
 ///
 /// The Yao graph of [`PoissonYao::planar`] is not planar: it has three crossings for every four edges, and two
 /// least-cost paths may use edges that cross. Here nodes are linked as in their Delaunay triangulation, in both directions, about six
-/// edges a node. Nodes are those of a planar `PoissonYao` with the same options.
+/// edges per node. Nodes are those of a planar `PoissonYao` with the same options.
 ///
 /// Edges longer than 4 spacings, which would run along the region's sides, are left out. In a convex region the
 /// graph is connected all the same: no disc of two spacings around a point of the region is empty, so the shortest links that
 /// connect all nodes are shorter than that, and these are edges of the triangulation.
 ///
-/// Whether three points turn left or right is decided exactly. O(n log n); the arrays take some 230 bytes a node at the peak.
+/// The turn of three points to the left or right is decided exactly. O(n log n); the arrays take
+/// some 230 bytes per node at the peak.
 ///
 /// ```
 /// use treesynth::{Silent, guided::{GraphBuilder, PoissonDelaunay}, shape::Cuboid, glam::Vec3};
@@ -56,7 +57,7 @@ impl<S: Shape> PoissonDelaunay<S> {
         Self { nodes: PoissonYao::new(region).planar().with_nodes(3_750), root: Vec3::ZERO }
     }
 
-    /// About so many nodes, within a few percent; in [2, 200000000]. The spacing follows from the region's area.
+    /// Number of nodes, within a few percent; in [2, 200000000]. The spacing follows from the region's area.
     pub fn with_nodes(mut self, nodes: usize) -> Self {
         self.nodes = self.nodes.with_nodes(nodes);
         self
@@ -74,12 +75,12 @@ impl<S: Shape> PoissonDelaunay<S> {
         self
     }
 
-    /// What [`with_nodes`](Self::with_nodes) sets; `None` where it was the spacing.
+    /// Number of nodes from [`with_nodes`](Self::with_nodes); `None` if the spacing was given.
     pub fn nodes(&self) -> Option<usize> {
         self.nodes.nodes()
     }
 
-    /// Where nodes lie.
+    /// Region in which nodes lie.
     pub fn region(&self) -> &S {
         self.nodes.region()
     }

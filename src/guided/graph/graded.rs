@@ -19,14 +19,15 @@ use std::sync::Arc;
 /// coarse elsewhere.
 ///
 /// r is the largest function that is nowhere above the sizing field and changes by at most the *grading* along each
-/// axis, metre for metre, both on a lattice of about two points a node; [`spacing`](Self::spacing) tells it. Two nodes
-/// p and q are at least min(r(p), r(q)) apart, and no ball of radius 2 r(c) around a point c inside the region is
-/// empty, by construction: see `Tile::sweep` in `leaf.rs`. Edges lead to the nearest node in each sector, exactly, if
-/// it lies within 3 r(p) of their start p (for more than 8 sectors as far as in [`PoissonYao`](super::PoissonYao)).
-/// The root is a node.
+/// axis, metre for metre, both on a lattice of about two points per node; [`spacing`](Self::spacing) tells
+/// it. Two nodes p and q are at least min(r(p), r(q)) apart, and no ball of radius 2 r(c) around a point c
+/// inside the region is empty, by construction: see `Tile::sweep` in `leaf.rs`. Edges lead to the nearest
+/// node in each sector, exactly, if it lies within 3 r(p) of their start p (for more than 8 sectors as far as
+/// in [`PoissonYao`](super::PoissonYao)). The root is a node.
 ///
-/// Cost: as for as many nodes of one spacing, about twice as long where r changes as fast as it may; 8 more bytes a
-/// node for r, and up to 64 while edges are found. With the feature `parallel` tiles are filled on several threads, and the result is the same to the bit.
+/// Cost: as for as many nodes of one spacing, about twice as long where r changes as fast as it may; 8 more
+/// bytes per node for r, and up to 64 while edges are found. With the feature `parallel` tiles are filled on
+/// several threads, and the result is the same to the bit.
 ///
 /// ```
 /// use treesynth::{Silent, glam::Vec3, shape::{Cuboid, Sphere}};
@@ -57,7 +58,7 @@ pub struct GradedYao<S, F> {
     sectors: usize,
     /// Those asked for; none for one at the origin or at the base of each leader.
     roots: Option<Vec<Vec3>>,
-    /// One a root; the last one for all that follow.
+    /// One per root; the last one for all that follow.
     #[cfg_attr(feature = "serde", serde(default))]
     leaders: Vec<Leader>,
     #[cfg_attr(feature = "serde", serde(skip))]
@@ -65,12 +66,12 @@ pub struct GradedYao<S, F> {
 }
 
 impl<S, F> GradedYao<S, F> {
-    /// What [`with_roots`](Self::with_roots) sets, if it was called.
+    /// Roots from [`with_roots`](Self::with_roots), if it was called.
     pub fn roots(&self) -> Option<&[Vec3]> {
         self.roots.as_deref()
     }
 
-    /// What [`with_leaders`](Self::with_leaders) sets.
+    /// Leaders from [`with_leaders`](Self::with_leaders).
     pub fn leaders(&self) -> &[Leader] {
         &self.leaders
     }
@@ -86,7 +87,7 @@ const MAX_DISCS: f32 = 3e9;
 const MAX_EDGES: f32 = 4e9;
 /// Steeper ones would let a tile have many more cells than nodes: see `Octree::grow`.
 const MAX_GRADING: f32 = 0.14;
-/// Points of the lattice: the fewest, the most, and how many a node.
+/// Points of the lattice: the fewest, the most, and how many per node.
 const POINTS: [f32; 2] = [32_768.0, 4e6];
 const POINTS_A_NODE: f32 = 2.0;
 /// Length of a leader's internodes, in spacings.
@@ -108,8 +109,9 @@ impl<S: Shape, F: SizingField> GradedYao<S, F> {
         }
     }
 
-    /// About so many nodes, within an eighth, or a fifth too few where r changes everywhere as fast as it may; in
-    /// [2, 200000000]. The sizes are all multiplied by one factor; what they are in metres no longer matters.
+    /// Number of nodes, within an eighth, or a fifth too few where r changes everywhere as fast as
+    /// it may; in [2, 200000000]. The sizes are all multiplied by one factor; what they are in
+    /// metres no longer matters.
     pub fn with_nodes(mut self, nodes: usize) -> Self {
         self.nodes = Some(nodes);
         self.spacing = Once::default();

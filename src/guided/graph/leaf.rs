@@ -117,7 +117,7 @@ impl<'a> Tile<'a> {
         free
     }
 
-    /// Whether a node lies within `r` of `p`, which is in a cell of the tile.
+    /// `true` if a node lies within `r` of `p`, which is in a cell of the tile.
     #[inline]
     fn is_covered(&self, p: Vec3, r: f32, cell: IVec3) -> bool {
         let (slot, square) = (self.slot(cell) as i32, r * r);
@@ -149,7 +149,8 @@ impl<'a> Tile<'a> {
                 if !self.owns(self.cell_of(near)) {
                     return false;
                 }
-                // Where r goes on like this, it is what its distance from the node is.
+                // The distance from the node that equals the spacing there, if the spacing goes on
+                // like this.
                 let slope = (spacing.at(near) - r) / r;
                 self.place(node + way * (r / (1.0 - slope) * (1.000_01 + 0.01 * slope.abs())))
             });

@@ -96,8 +96,9 @@ forward!(&T, Box<T>, Arc<T>);
 
 /// A directed graph in space, with a root or several.
 ///
-/// Nodes are numbered from 0. Out-edges of a node lie side by side in one flat array. Memory: 16 bytes a node
-/// and 4 bytes an edge, 4 more bytes a node once [`hops_from_root`](Self::hops_from_root) was asked for.
+/// Nodes are numbered from 0. Out-edges of a node lie side by side in one flat array. Memory: 16 bytes per
+/// node and 4 bytes per edge, 4 more bytes per node once [`hops_from_root`](Self::hops_from_root) was asked
+/// for.
 #[derive(Debug, Clone)]
 pub struct Graph {
     positions: Vec<Vec3>,
@@ -124,7 +125,7 @@ impl PartialEq for Graph {
     }
 }
 
-/// Why there is no graph.
+/// Error of building a graph.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum GraphError {

@@ -110,7 +110,7 @@ impl<'a> Octree<'a> {
     }
 
     /// The fixed nodes, as near to each other as they like, then all others, tile by tile in Morton order. The others keep
-    /// away from the fixed ones; O(f) a tile for f of these.
+    /// away from the fixed ones; O(f) per tile for f of these.
     ///
     /// Large tiles come first, so that few nodes of others lie within reach of those that follow.
     pub(super) fn nodes(

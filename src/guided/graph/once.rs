@@ -1,4 +1,4 @@
-//! What is worked out once from options, and is no option itself.
+//! A value that is computed once from options, and is no option itself.
 
 use std::sync::OnceLock;
 

@@ -17,8 +17,8 @@ use glam::Vec3;
 /// promise is kept by construction, not by chance: see `Tile::sweep` in `tiles.rs`. The root is a node; in 2D
 /// ([`planar`](Self::planar)) all nodes lie in the plane z = 0 of the region.
 ///
-/// Cost: O(n log n) time, about 75 bytes a node at the peak. With the feature `parallel` tiles of the region
-/// are filled on several threads, in phases, and the result is the same to the bit.
+/// Cost: O(n log n) time, about 75 bytes per node at the peak. With the feature `parallel` tiles of the
+/// region are filled on several threads, in phases, and the result is the same to the bit.
 ///
 /// ```
 /// use treesynth::{Silent, guided::{GraphBuilder, PoissonYao}, shape::Cuboid, glam::Vec3};
@@ -39,7 +39,7 @@ pub struct PoissonYao<S> {
     sectors: usize,
     /// Those asked for; none for one at the origin, or at the base of the leader or of each tree.
     roots: Option<Vec<Vec3>>,
-    /// One a root; the last one for all that follow.
+    /// One per root; the last one for all that follow.
     #[cfg_attr(feature = "serde", serde(default))]
     leaders: Vec<Leader>,
     #[cfg_attr(feature = "serde", serde(default))]
@@ -47,22 +47,22 @@ pub struct PoissonYao<S> {
 }
 
 impl<S> PoissonYao<S> {
-    /// What [`with_roots`](Self::with_roots) sets, if it was called.
+    /// Roots from [`with_roots`](Self::with_roots), if it was called.
     pub fn roots(&self) -> Option<&[Vec3]> {
         self.roots.as_deref()
     }
 
-    /// What [`with_leaders`](Self::with_leaders) sets.
+    /// Leaders from [`with_leaders`](Self::with_leaders).
     pub fn leaders(&self) -> &[Leader] {
         &self.leaders
     }
 
-    /// What each [`with_tree`](Self::with_tree) has added.
+    /// Trees from each [`with_tree`](Self::with_tree).
     pub fn trees(&self) -> &[Skeleton] {
         &self.trees
     }
 
-    /// What [`with_nodes`](Self::with_nodes) sets; `None` where it was the spacing.
+    /// Number of nodes from [`with_nodes`](Self::with_nodes); `None` if the spacing was given.
     pub fn nodes(&self) -> Option<usize> {
         if let Size::Nodes(nodes) = self.size { Some(nodes) } else { None }
     }
@@ -103,7 +103,8 @@ impl<S: Shape> PoissonYao<S> {
         }
     }
 
-    /// About so many nodes, within a few percent; in [2, 200000000]. The spacing follows from the region's volume.
+    /// Number of nodes, within a few percent; in [2, 200000000]. The spacing follows from the
+    /// region's volume.
     pub fn with_nodes(mut self, nodes: usize) -> Self {
         self.size = Size::Nodes(nodes);
         self
@@ -122,9 +123,9 @@ impl<S: Shape> PoissonYao<S> {
         self
     }
 
-    /// The number of sectors, in [3, 64]. In 3D, 8 are the octants, other counts the regions nearest to each of
-    /// so many directions spread evenly; in 2D they are equal wedges. Fewer than 6 in 3D may leave nodes
-    /// [unreachable](Graph::unreachable).
+    /// The number of sectors, in [3, 64]. In 3D, 8 are the octants; other counts are the regions
+    /// nearest to each of that number of evenly spread directions; in 2D they are equal wedges.
+    /// Fewer than 6 in 3D may leave nodes [unreachable](Graph::unreachable).
     pub fn with_sectors(mut self, sectors: usize) -> Self {
         self.sectors = sectors;
         self
@@ -165,7 +166,7 @@ impl<S: Shape> PoissonYao<S> {
         self
     }
 
-    /// Where nodes lie.
+    /// Region in which nodes lie.
     pub fn region(&self) -> &S {
         &self.region
     }

@@ -1,4 +1,4 @@
-//! Where the trees of a graph start.
+//! Starting points of the trees of a graph.
 
 use super::Leader;
 use crate::parameter::ParameterError;

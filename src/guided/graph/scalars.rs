@@ -13,7 +13,7 @@ pub(super) struct Scalars {
     per_step: Vec3,
     /// Points along each axis, at least 2.
     pub(super) dims: IVec3,
-    /// One a point; x runs fastest.
+    /// One per point; x runs fastest.
     pub(super) values: Vec<f32>,
 }
 

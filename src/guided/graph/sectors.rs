@@ -1,4 +1,4 @@
-//! How the directions around a node are divided for a Yao graph.
+//! Division of the directions around a node for a Yao graph.
 
 use crate::math;
 use crate::parameter::ParameterError;

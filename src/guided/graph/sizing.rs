@@ -179,7 +179,7 @@ impl<S: Shape> SizingField for NearSurface<S> {
     }
 }
 
-/// Distances from the surface of `shape` on a lattice that reaches so far beyond its bounds.
+/// Distances from the surface of `shape` on a lattice that reaches `beyond` metres beyond its bounds.
 fn signed_distances(shape: &dyn Shape, beyond: f32) -> Option<Scalars> {
     let bounds = shape.bounds().grown(beyond);
     let step = bounds.size() / CELLS as f32;

@@ -11,7 +11,8 @@ use glam::{IVec3, Vec3};
 /// The disc radius r of a [`GradedYao`](super::GradedYao) at every place: values on a lattice, linear in between.
 ///
 /// Along each axis r changes by at most the grading, in any direction by at most √3 times that, metre for metre.
-/// Beyond the lattice, which covers the region's bounds, r is that of the nearest place on it. 4 bytes a point.
+/// Beyond the lattice, which covers the region's bounds, r is that of the nearest place on it. 4 bytes per
+/// point.
 #[derive(Debug, Clone)]
 pub struct Spacing {
     scalars: Scalars,
@@ -118,8 +119,9 @@ impl Samples {
         spacing.scalars.values.iter().map(|&r| f64::from(self.cell / (r * r * r))).sum::<f64>() as f32
     }
 
-    /// The scale at which about so many nodes come out, from a guess. The spacing reacts to it less than in
-    /// proportion where the grading holds it back, so each step goes the right way and not too far.
+    /// The scale at which about `nodes` nodes come out, from a guess. The spacing reacts to it less
+    /// than in proportion where the grading holds it back, so each step goes the right way and not
+    /// too far.
     pub(super) fn scale_for(&self, nodes: f32, grading: f32, guess: f32, steps: usize) -> f32 {
         let wanted = (cbrt(nodes / DENSITY) - FACE).max(0.5);
         let mut scale = guess;
@@ -133,7 +135,7 @@ impl Samples {
         scale
     }
 
-    /// About so many nodes come out.
+    /// Approximate number of nodes with this spacing.
     pub(super) fn nodes(&self, spacing: &Spacing) -> f32 {
         let side = self.side(spacing) + FACE;
         DENSITY * side * side * side

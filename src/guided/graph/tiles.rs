@@ -132,7 +132,7 @@ impl<'a> Plan<'a> {
         Ok(nodes)
     }
 
-    /// Whether any of the region can lie in a tile.
+    /// `true` if any of the region can lie in a tile.
     fn touches(&self, place: IVec3) -> bool {
         let corner = |place: IVec3| self.origin + (place * self.tile).as_vec3() * self.cell;
         self.region.touches(Bounds::new(corner(place), corner(place + 1)))
@@ -229,7 +229,8 @@ impl<'a> Tile<'a> {
         }
     }
 
-    /// Whether a node may stand at `p`: in this tile and the region, and no nearer than r to another.
+    /// `true` if a node may stand at `p`: in this tile and the region, and no nearer than r to
+    /// another.
     fn is_free(&self, p: Vec3) -> bool {
         let cell = self.plan.cell_of(p);
         self.owns(cell) && !self.is_covered(p, cell) && self.plan.region.contains(p)

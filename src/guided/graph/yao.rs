@@ -44,8 +44,9 @@ impl Reach<'_> {
     }
 }
 
-/// The reach of edges where nodes are one unit apart: as far as each of so many sectors holds as many nodes as an
-/// octant within three spacings, nine and a half. In the plane, as an eighth of a turn: 2.7.
+/// The reach of edges where nodes are one unit apart: far enough for each of `sectors` sectors to
+/// hold as many nodes as an octant within three spacings, nine and a half. In the plane, as an
+/// eighth of a turn: 2.7.
 pub(super) fn reach_of(sectors: usize, planar: bool) -> f32 {
     let share = (sectors as f32 / 8.0).max(1.0);
     3.0 * if planar { share.sqrt() } else { cbrt(share) }
@@ -265,14 +266,14 @@ fn octants(x: Vec4, y: Vec4, z: Vec4) -> [usize; LANES] {
     std::array::from_fn(|i| (x >> i & 1 | (y >> i & 1) << 1 | (z >> i & 1) << 2) as usize)
 }
 
-/// Whether no point of the box is in the octant of `from`. Exact: signs survive subtraction.
+/// `true` if no point of the box is in the octant of `from`. Exact: signs survive subtraction.
 #[inline]
 fn outside_octant(octant: usize, from: Vec3, min: Vec3, max: Vec3) -> bool {
     let low = BVec3::new(octant & 1 != 0, octant & 2 != 0, octant & 4 != 0);
     (low & min.cmpge(from) | !low & max.cmplt(from)).any()
 }
 
-/// Points sorted into the cells of a lattice, about four a cell where most of them are.
+/// Points sorted into the cells of a lattice, about four per cell where most of them are.
 struct Cells {
     min: Vec3,
     side: f32,
@@ -282,8 +283,8 @@ struct Cells {
 }
 
 impl Cells {
-    /// Cells of the given side, or one that makes for about four points a cell. `None` where points are too uneven
-    /// for a lattice.
+    /// Cells of the given side, or one that makes for about four points per cell. `None` where points are too
+    /// uneven for a lattice.
     fn new(positions: &[Vec3], given: Option<f32>) -> Option<Self> {
         let (min, max) = positions
             .iter()

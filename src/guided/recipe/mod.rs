@@ -54,13 +54,13 @@ pub struct Recipe {
     /// The seed of the tree that [`synthesize`](Self::synthesize) grows.
     #[cfg_attr(feature = "serde", serde(default))]
     pub seed: u64,
-    /// What the tree grows in.
+    /// The graph in which the tree grows.
     pub graph: GraphRecipe,
     /// One search each, in their order.
     pub stages: Vec<StageRecipe>,
-    /// Which branches fall after the last stage.
+    /// Rule by which branches fall after the last stage.
     pub shedding: Option<Shedding>,
-    /// How thick branches are.
+    /// Model of branch radii.
     pub radius: RadiusRecipe,
 }
 
@@ -70,11 +70,11 @@ pub struct Recipe {
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
 #[non_exhaustive]
 pub struct StageRecipe {
-    /// How guiding vectors turn.
+    /// Rule that turns guiding vectors.
     pub rule: RuleRecipe,
-    /// What edges cost.
+    /// Weight of edges.
     pub weight: WeightRecipe,
-    /// What branches grow to.
+    /// Nodes to which branches grow.
     pub endpoints: EndpointRecipe,
     /// The finer graph from this stage on.
     pub refinement: Option<Refinement<ShapeRecipe>>,
@@ -146,7 +146,7 @@ impl Recipe {
         self.clone().into()
     }
 
-    /// Whether all parameters are in range: the same errors as of [`TreeSynth::check`].
+    /// Checks that all parameters are in range, with the same errors as [`TreeSynth::check`].
     ///
     /// # Errors
     /// The first parameter that is not.

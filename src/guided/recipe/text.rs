@@ -3,7 +3,7 @@
 use super::Recipe;
 use crate::parameter::ParameterError;
 
-/// Why a text is not a recipe.
+/// Error of reading a recipe from text.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
 pub enum RecipeError {

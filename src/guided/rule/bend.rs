@@ -128,8 +128,8 @@ impl Bend {
         Self::new(Angle::FromAxis { theta })
     }
 
-    /// Counts hops by metres of path: an angle a hop becomes an angle for `metres` of path, in equal parts, and h0 hops
-    /// become h0 times `metres`. Branches then bend alike on graphs of any spacing, and across a
+    /// Counts hops by metres of path: an angle per hop becomes an angle for `metres` of path, in equal parts,
+    /// and h0 hops become h0 times `metres`. Branches then bend alike on graphs of any spacing, and across a
     /// [`Refinement`](crate::guided::Refinement); by edges, as in the paper, a finer graph bends them more.
     ///
     /// Finite and above 0. With 1 m, angles are curvatures.
@@ -138,7 +138,7 @@ impl Bend {
         self
     }
 
-    /// The angle of one edge where hops are so many metres of path.
+    /// The angle of one edge where a hop is `hop` metres of path.
     fn angle_by_length(&self, step: &Step<'_>, hop: f32) -> f32 {
         let (start, end) = (step.path_length - step.length, step.path_length);
         let piecewise = |first: f32, rest: f32, hops: u32| {

@@ -41,7 +41,8 @@ impl<R: GuidingRule> ForkAngle<R> {
         Self { angle, spread: 0.0, divergence: None, rule }
     }
 
-    /// Random deviation of the angle, one for each source node: up to so many radians, in [0, π], each way.
+    /// Largest random deviation of the angle, one for each source node, each way: radians, in [0,
+    /// π].
     pub fn with_spread(mut self, spread: f32) -> Self {
         self.spread = spread;
         self

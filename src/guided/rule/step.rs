@@ -1,4 +1,4 @@
-//! What a rule knows.
+//! View that a rule has of a node.
 
 use super::BendAxis;
 use crate::guided::context::Context;

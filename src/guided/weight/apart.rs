@@ -26,8 +26,8 @@ pub struct Apart<W> {
 crate::recipe::mapped!(Apart { weight; price });
 
 impl<W: WeightFn> Apart<W> {
-    /// `price`, at least 0 and finite, a metre; the paper's weight is 2 a metre against the guiding vector and 0.1 to 0.3
-    /// along it, as crooked as edges are.
+    /// `price` per metre, at least 0 and finite; the paper's weight is 2 per metre against the
+    /// guiding vector and 0.1 to 0.3 along it, since edges are crooked.
     pub fn new(weight: W, price: f32) -> Self {
         Self { weight, price }
     }
@@ -45,7 +45,7 @@ impl<W: WeightFn> WeightFn for Apart<W> {
 
     fn check(&self) -> Result<(), ParameterError> {
         let fits = self.price >= 0.0 && self.price.is_finite();
-        ParameterError::unless(fits, "Apart.price", self.price, "finite and at least 0 a metre")?;
+        ParameterError::unless(fits, "Apart.price", self.price, "finite and at least 0 per metre")?;
         self.weight.check()
     }
 }

@@ -146,7 +146,7 @@ impl Edge<'_> {
         self.context.root(self.source)
     }
 
-    /// Whether it ends one edge away from the tree. O(edges of its end).
+    /// `true` if it ends one edge away from the tree. O(edges of its end).
     pub fn is_beside_tree(&self) -> bool {
         self.context.is_beside_tree(self.to)
     }

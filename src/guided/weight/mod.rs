@@ -1,4 +1,4 @@
-//! What an edge costs (section 3.1.2).
+//! Weights of edges (section 3.1.2).
 
 mod apart;
 mod edge;
@@ -52,7 +52,8 @@ pub trait WeightFn: Send + Sync {
         }
     }
 
-    /// Whether a weight may be infinite. Endpoints are then chosen after the search, among nodes it reached.
+    /// `true` if a weight may be infinite. Endpoints are then chosen after the search, among nodes it
+    /// reached.
     fn forbids(&self) -> bool {
         false
     }

@@ -18,12 +18,12 @@ pub struct Multimodal {
 }
 
 impl Multimodal {
-    /// What each [`with_direction`](Self::with_direction) has added.
+    /// Directions from each [`with_direction`](Self::with_direction).
     pub fn directions(&self) -> &[(Vec3, f32)] {
         &self.directions
     }
 
-    /// What each [`with_cone`](Self::with_cone) has added.
+    /// Cones from each [`with_cone`](Self::with_cone).
     pub fn cones(&self) -> &[(f32, f32)] {
         &self.cones
     }

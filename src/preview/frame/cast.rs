@@ -97,7 +97,7 @@ impl Frame<'_> {
     }
 }
 
-/// Whether two hits of a pixel lie on one smooth piece of surface.
+/// `true` if two hits of a pixel lie on one smooth piece of surface.
 fn is_alike(a: &Hit, b: &Hit) -> bool {
     // A step in depth is a step off the plane through either.
     let (way, apart) = (b.point - a.point, a.point.distance(b.point));

@@ -24,7 +24,7 @@ pub(super) struct Crack {
     pub(super) nearness: f32,
 }
 
-/// What thin triangles do to a pixel.
+/// Sums over the thin triangles of a pixel.
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct Thin {
     /// Colour times area of those that are seen.
@@ -37,7 +37,7 @@ pub(super) struct Thin {
     points: u64,
     /// Those with nothing solid behind them.
     open: u64,
-    /// How often points lie in one.
+    /// Number of times that points lie in one.
     hits: u32,
 }
 
@@ -82,7 +82,7 @@ pub(super) struct Strip {
 }
 
 impl Strip {
-    /// Of so many samples, and so many of them a pixel in each direction.
+    /// A strip of this number of samples, with `samples` of them per pixel in each direction.
     pub(super) fn new(columns: usize, rows: usize, samples: usize) -> Self {
         let width = columns / samples;
         Self {

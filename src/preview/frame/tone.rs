@@ -8,7 +8,7 @@ pub(super) struct Tones(Vec<f32>);
 
 impl Tones {
     const STEPS: usize = 8192;
-    /// In which order the pixels of a 4 by 4 block round up (Bayer), so that slow gradients show no bands.
+    /// Order in which the pixels of a 4 by 4 block round up (Bayer), so that slow gradients show no bands.
     const ORDER: [[u8; 4]; 4] = [[0, 8, 2, 10], [12, 4, 14, 6], [3, 11, 1, 9], [15, 7, 13, 5]];
 
     pub(super) fn new() -> Self {

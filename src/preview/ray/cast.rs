@@ -1,4 +1,4 @@
-//! What the rest of the renderer asks of a solid.
+//! Queries of the renderer to a solid: first hits, sunlight, passages.
 
 use super::octree::Octree;
 use super::walk::{Beam, Entry, Ray};
@@ -20,7 +20,7 @@ pub(in super::super) struct Hit {
     pub(in super::super) color: Vec3,
 }
 
-/// Which of the rays to the sun a place is to send: `count` of the `of` that make the whole sun, from `first` on, all
+/// Rays from a place to the sun: `count` of the `of` that make the whole sun, from `first` on, all
 /// turned about the sun's middle.
 #[derive(Debug, Clone, Copy)]
 pub(in super::super) struct Sunbeams {
@@ -32,7 +32,7 @@ pub(in super::super) struct Sunbeams {
 }
 
 impl Sunbeams {
-    /// So many all over the sun, for a place of the picture: neighbours turn theirs differently.
+    /// All `of` rays to the sun, for a place of the picture: neighbours turn theirs differently.
     pub(in super::super) fn all(of: usize, column: usize, row: usize) -> Self {
         // Interleaved gradient noise (Jimenez 2014): differs most where places are nearest.
         let fract = |x: f32| x - x.floor();
@@ -73,13 +73,13 @@ pub(in super::super) trait Cast: Sync {
     /// a ray of that beam meets first.
     fn look(&self, block: &Beam, beams: &[Beam], draw: &mut dyn FnMut(usize, &Look<'_>));
 
-    /// How much of the sun in the direction `sun` is seen from a point of a surface.
+    /// The part of the sun in the direction `sun` that is seen from a point of a surface.
     fn sunlight(&self, point: Vec3, normal: Vec3, sun: Vec3, beams: Sunbeams) -> Sunlight;
 
     /// Points where a ray enters and leaves the solid, and the normals there.
     fn passages(&self, ray: &Ray) -> Vec<(Vec3, Vec3)>;
 
-    /// Whether more memory was needed than was allowed: all answers may be wrong then.
+    /// `true` if more memory was needed than was allowed: all answers may be wrong then.
     fn is_full(&self) -> bool;
 }
 
@@ -94,7 +94,7 @@ impl<S: Solid> Cast for Octree<'_, S> {
         for (number, beam) in beams.iter().enumerate() {
             near.clear();
             let own = beam.ray.mirror();
-            // Where a beam does not go as its block does, the order is another.
+            // A beam that does not go as its block does visits cubes in another order.
             for &entry in if own == mirror { &wide[..] } else { &all[..] } {
                 self.gather(entry, beam, own, 0.0, &mut near);
             }

@@ -66,7 +66,7 @@ impl RayCaster {
         Self { preview, shadows: true, most_cubes: 20_000_000 }
     }
 
-    /// Whether the solid casts shadows, on itself, on meshes and on the ground; default true.
+    /// Lets the solid cast shadows, on itself, on meshes and on the ground; default true.
     pub fn with_shadows(mut self, shadows: bool) -> Self {
         self.shadows = shadows;
         self

@@ -1,6 +1,7 @@
 //! The octree of a solid's parts: a cube is split when the first ray enters it.
 //!
-//! How a cube is split follows from the cube alone, so it does not matter which thread's ray came first.
+//! The split of a cube depends on the cube alone, so it does not matter which thread's ray came
+//! first.
 
 use super::super::camera::View;
 use crate::Bounds;
@@ -67,9 +68,9 @@ pub(super) enum Node<P> {
 pub(super) struct Leaf<P> {
     pub(super) part: P,
     pub(super) lipschitz: f32,
-    /// To within which roots are wanted, metres.
+    /// Tolerance of roots, metres.
     pub(super) tolerance: f32,
-    /// What many primitives add to the work of a value there.
+    /// Work of a value there because of many primitives, in values of [`CROWD`] primitives.
     pub(super) crowd: usize,
 }
 
@@ -83,13 +84,13 @@ pub(super) struct Inner<P> {
 pub(super) struct Octree<'a, S: Solid> {
     solid: &'a S,
     view: &'a View,
-    /// Samples of the view a pixel, in each direction.
+    /// Samples of the view per pixel, in each direction.
     samples: f32,
     pub(super) cube: Cube,
     pub(super) root: Node<S::Part>,
     cubes: AtomicUsize,
     most: usize,
-    /// The work of crowded values, and how much of it there may be.
+    /// The work of crowded values, and its limit.
     work: AtomicUsize,
     most_work: usize,
 }
@@ -116,12 +117,12 @@ impl<'a, S: Solid> Octree<'a, S> {
         octree
     }
 
-    /// Whether more cubes were needed than were allowed: what has been found is of no use then.
+    /// `true` if more cubes were needed than were allowed: results are of no use then.
     pub(super) fn is_full(&self) -> bool {
         self.cubes.load(Ordering::Relaxed) > self.most
     }
 
-    /// Whether crowds of primitives made more work than was allowed: what has been found is of no use then.
+    /// `true` if crowds of primitives made more work than was allowed: results are of no use then.
     pub(super) fn is_crowded(&self) -> bool {
         self.work.load(Ordering::Relaxed) > self.most_work
     }

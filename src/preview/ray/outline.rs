@@ -1,4 +1,4 @@
-//! How far a solid reaches, which its bounds tell only roughly.
+//! Extents of a solid, which its bounds give only roughly.
 
 use super::octree::Cube;
 use crate::Bounds;

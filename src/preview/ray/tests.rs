@@ -56,7 +56,7 @@ proptest! {
         prop_assume!((least - 1.0).abs() > 1e-4);
         prop_assert_eq!(found.is_some(), wanted.is_some());
         if let (Some(found), Some(wanted)) = (found, wanted) {
-            // Where it grazes, a small way off the surface is a long way along it.
+            // At a grazing ray, a small way off the surface is a long way along it.
             let slope = (1.0 - least * least).sqrt();
             prop_assert!((found - wanted).abs() < 5e-4 / slope, "{found} for {wanted}");
         }
@@ -343,7 +343,8 @@ fn rays_hit_a_skin_where_its_mesh_is() {
                 let (value, slope) = skin.gradient(along(t));
                 value / slope.length().max(1e-3)
             };
-            // How deep what is hit by only one, or far before the other, is: to where the ray leaves it.
+            // A hit by only one, or far before the other, is judged by its depth, to where the ray
+            // leaves.
             let both = cast.zip(met).is_some_and(|(a, b)| {
                 let normal = skin.gradient(along(first)).1.normalize_or_zero();
                 (a - b).abs() * normal.dot(ray.way).abs() < voxel

@@ -71,7 +71,7 @@ struct Walk<'a, 'o, S: Solid, V> {
     inverse: Vec3,
     /// The bits of the axes along which the ray goes backwards.
     mirror: usize,
-    /// Whether the ray is within the solid.
+    /// `true` if the ray is within the solid.
     inside: bool,
     last: Option<(&'o Leaf<S::Part>, Cube)>,
     visit: V,
@@ -219,7 +219,8 @@ impl<'o, S: Solid, V: FnMut(Crossing<'o, S::Part>) -> ControlFlow<()>> Walk<'_, 
             };
             (enter + low, enter + high)
         };
-        // What 32-bit floats can tell apart; and steps not too many where the bound is far above the slopes there are.
+        // No finer than 32-bit floats can tell apart, and not too many steps where the bound is far
+        // above the actual slopes.
         let tolerance = leaf.tolerance.max(enter.abs().max(leave.abs()) * 4e-7);
         let least = tolerance.max((leave - enter) / MOST_STEPS);
         let inverse = 1.0 / leaf.lipschitz;
@@ -253,8 +254,8 @@ impl<'o, S: Solid, V: FnMut(Crossing<'o, S::Part>) -> ControlFlow<()>> Walk<'_, 
     }
 }
 
-/// Between two places of which one is inside, the root to within `tolerance` and on the outer side. By regula falsi that
-/// keeps off both ends, so that neither stays where it is for long.
+/// Between two places of which one is inside, the root to within `tolerance` and on the outer side.
+/// Regula falsi that keeps off both ends, so that neither stays where it is for long.
 fn root(
     mut a: (f32, f32),
     mut b: (f32, f32),

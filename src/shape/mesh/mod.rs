@@ -117,7 +117,7 @@ impl fmt::Display for Flaws {
     }
 }
 
-/// Why some triangles enclose nothing.
+/// Error of making a solid of triangles.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum TriangleMeshError {
@@ -169,7 +169,7 @@ pub enum TriangleMeshError {
     /// An option out of its range.
     #[error(transparent)]
     Parameter(#[from] ParameterError),
-    /// A file that cannot be read: its kind, the place in it, what was found and what would do.
+    /// A file that cannot be read: its kind, the place in it, what was found and what is required.
     #[cfg(feature = "import")]
     #[error("{0}")]
     File(String),
@@ -225,7 +225,7 @@ impl TriangleMesh {
                 Some(*sum)
             })
             .collect();
-        // Rounding of corners moves each triangle by so much.
+        // Rounding of corners moves each triangle by about the longest side times epsilon.
         let size = f64::from(bounds.size().max_element());
         let rounding = areas.last().map_or(0.0, |area| area * size * f64::from(f32::EPSILON));
         // Sheets that lie on one another and look both ways.

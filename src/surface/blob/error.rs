@@ -1,10 +1,10 @@
-//! Why there is no [`BlobTree`](super::BlobTree).
+//! Errors of making a [`BlobTree`](super::BlobTree).
 
 use crate::observer::Cancelled;
 use crate::{Bounds, ParameterError};
 use glam::Affine3A;
 
-/// Why no [`BlobTree`](super::BlobTree) can be made of some parts.
+/// Error of making a [`BlobTree`](super::BlobTree).
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum BlobError {

@@ -229,7 +229,7 @@ impl Operator {
                     let values: smallvec::SmallVec<[f32; 8]> = parts.iter().map(f).collect();
                     super_elliptic(power, &values)
                 };
-                // By Hölder's inequality, the norm of the slopes.
+                // The norm of the slopes, by Hölder's inequality.
                 let slope = bound(|part| part.slope);
                 let least = bound(|part| part.least) * (1.0 - 1e-5);
                 Range { least, most: bound(|part| part.most) * (1.0 + 1e-5), slope: slope * (1.0 + 1e-5) }

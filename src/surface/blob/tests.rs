@@ -180,7 +180,7 @@ proptest! {
                 let mut by = Vec3::ZERO;
                 by[axis] = step;
                 let values = [-2.0f32, -1.0, 1.0, 2.0].map(|n| tree.value(point + by * n));
-                // Where slopes on both sides differ there is a crease.
+                // Slopes that differ on both sides mean a crease.
                 let slopes = [values[1] - values[0], value - values[1], values[2] - value, values[3] - values[2]];
                 let slopes = slopes.map(|rise| rise / step);
                 let [least, most] = [f32::min, f32::max].map(|f| slopes.into_iter().reduce(f).unwrap());
@@ -217,7 +217,7 @@ proptest! {
                     prop_assert_eq!(bits(coverage.gradient(point)), bits(expected));
                     let colors = [part.color(point), tree.color(point)];
                     let expected_color = tree.scene.color(tree.scene.kinds.iter().copied(), point);
-                    // Where next to nothing is felt there is no surface to colour.
+                    // Points that feel next to nothing have no surface to colour.
                     for color in colors.into_iter().filter(|_| expected.0 > -0.45) {
                         for (a, b) in color.iter().zip(&expected_color) {
                             prop_assert!((a - b).abs() < 1e-4 && (-1e-4..=1.0001).contains(a), "{a} is not {b} at {point} of {expected:?}");

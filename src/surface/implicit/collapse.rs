@@ -5,7 +5,7 @@ use glam::Vec3;
 
 /// The most triangles around a vertex.
 const MOST_AROUND: usize = 16;
-/// As often all vertices are tried, as long as any go.
+/// Rounds in which all vertices are tried, as long as any go.
 const ROUNDS: usize = 3;
 /// A triangle is at least as high, on its longest side, as this share of that side.
 const SLIMMEST: f32 = 1.0 / 32.0;

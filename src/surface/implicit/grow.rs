@@ -17,8 +17,8 @@ const MARGIN: f32 = 0.53;
 const MANY: usize = 512;
 /// Cubes that one thread takes at a time.
 const GROUP: usize = 8;
-/// Cubes that are split for each block at most, and so many more: the rest of what is thin beside what is thick is empty, but
-/// only the finest cubes show it.
+/// Cubes that are split at most: this number per block, and this number besides. The rest of what
+/// is thin beside what is thick is empty, but only the finest cubes show it.
 const SPLIT_PER_BLOCK: usize = 8;
 const SPLIT: usize = 100_000;
 
@@ -67,7 +67,7 @@ struct Setting<'a, S> {
     count: &'a Count,
 }
 
-/// How much there is of all threads, so that any of them notices when it is too much.
+/// Totals over all threads, so that any of them notices when they exceed the limits.
 struct Count {
     /// The greatest number of blocks, and how many there are.
     most: usize,

@@ -9,9 +9,9 @@ use crate::texture::Tones;
 use crate::texture::{Image, TextureError, Textures};
 use glam::Vec4;
 
-/// Cells a side of the coarse grid by which hollows are told from tops.
+/// Cells per side of the coarse grid that tells hollows from tops.
 const COARSE: usize = 64;
-/// How much of the light of the sky is missing in a hollow as deep as the tile's whole depth.
+/// Darkening of a hollow as deep as the tile's whole depth, as a share of the light of the sky.
 const SHADING: f32 = 1.1;
 /// Rounds in which the mean colour is brought to what was asked for; more than one only where colours are cut off at white.
 const ROUNDS: usize = 6;
@@ -126,7 +126,8 @@ fn interleaved([r, g, b]: [[u8; 4]; 3]) -> [u8; 12] {
     [r[0], g[0], b[0], r[1], g[1], b[1], r[2], g[2], b[2], r[3], g[3], b[3]]
 }
 
-/// The mean of `of` each of some numbers of all rows; summed row by row in lanes, so that threads do not matter.
+/// The mean of `of` over a channel of all rows; summed row by row in lanes, so that threads do not
+/// matter.
 fn mean(rows: &[Row], channel: usize, of: impl Fn(Vec4) -> Vec4 + Sync + Send) -> f32 {
     let sums = parallel::map(rows.len(), |y| {
         let quads = rows[y].colors[channel].chunks_exact(4);
@@ -168,7 +169,7 @@ struct Coarse {
     heights: Vec<f32>,
 }
 
-/// Between which two of the coarse grid a pixel is, and how far.
+/// The two cells of the coarse grid between which a pixel lies, and the fraction of the way.
 struct Between {
     before: usize,
     behind: usize,
@@ -208,7 +209,7 @@ impl Coarse {
         Self { side, heights }
     }
 
-    /// Where a pixel of `pixels` a side is, along either.
+    /// Place of a pixel between the grid's cells, along either axis, for `pixels` per side.
     fn between(&self, pixel: usize, pixels: usize) -> Between {
         let at = (pixel as f32 + 0.5) * self.side as f32 / pixels as f32 + self.side as f32 - 0.5;
         let whole = at as usize;

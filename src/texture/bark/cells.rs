@@ -16,7 +16,7 @@ pub(super) struct Cell {
     pub(super) value: Vec4,
     /// That of the border: the same from both sides.
     pub(super) edge: Vec4,
-    /// How much the nearest border runs along the branch (0) or around it (1).
+    /// Direction of the nearest border: along the branch (0) or around it (1).
     pub(super) across: Vec4,
     /// From the cell's point, in tiles.
     pub(super) offset: [Vec4; 2],
@@ -127,7 +127,7 @@ fn nine<P, T>(
 pub(super) struct Dashes {
     columns: u32,
     rows: u32,
-    /// Where each cell's strokes begin, and where the last one's end.
+    /// Index of each cell's first stroke, and the end of the last one's.
     firsts: Vec<u32>,
     /// Those that reach into each cell, cell by cell.
     strokes: Vec<Stroke>,
@@ -143,13 +143,13 @@ struct Stroke {
 }
 
 impl Stroke {
-    /// Whether it reaches into the cell from whose corner its place is told.
+    /// `true` if it reaches into the cell from whose corner its place is measured.
     fn reaches(&self) -> bool {
         let away = |at: f32| (at - at.clamp(0.0, 1.0)).abs();
         away(self.x) * self.inverse[0] < 1.0 && away(self.y) * self.inverse[1] < 1.0
     }
 
-    /// How much of it there is.
+    /// Strength of the stroke at a place.
     #[inline]
     fn at(&self, dx: Vec4, dy: Vec4) -> Vec4 {
         let u = (self.x - dx) * self.inverse[0];
@@ -192,7 +192,7 @@ impl Dashes {
         Self { columns, rows, firsts, strokes }
     }
 
-    /// How much of a stroke there is, 0 to 1: 1 along its middle.
+    /// Strength of the strongest stroke at each place, 0 to 1; greatest along its middle.
     #[inline]
     pub(super) fn at(&self, x: Vec4, y: Vec4) -> Vec4 {
         let ((column, dx), (row, dy)) = (cell(x, self.columns as f32), cell(y, self.rows as f32));

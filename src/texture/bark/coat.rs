@@ -1,4 +1,4 @@
-//! What lies and grows on bark: snow, moss, lichen.
+//! Coats on bark: snow, moss, lichen.
 
 use super::cells::Cells;
 use super::lanes::{Quad, mix, smooth};
@@ -9,7 +9,7 @@ use crate::ParameterError;
 use crate::texture::TextureError;
 use glam::Vec4;
 
-/// What covers a bark.
+/// Kinds of coats.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum CoatKind {
     Snow,
@@ -17,10 +17,10 @@ enum CoatKind {
     Lichen,
 }
 
-/// A tile of what lies or grows on bark, as images that continue into themselves on all sides; where it is says a
-/// [`Mask`](crate::surface::Mask).
+/// A tile of snow, moss or lichen, as images that continue into themselves on all sides; a
+/// [`Mask`](crate::surface::Mask) says where it lies.
 ///
-/// What a [`Bark`] guarantees of edges, normals, the mean colour and bits holds here too.
+/// The guarantees of [`Bark`] for edges, normals, the mean colour and bits hold here too.
 ///
 /// ```
 /// use treesynth::texture::Coat;
@@ -76,7 +76,7 @@ impl Coat {
         self
     }
 
-    /// Pixels a side, a power of two from 16 to 8192; default 256.
+    /// Pixels per side, a power of two from 16 to 8192; default 256.
     pub fn with_resolution(mut self, pixels: u32) -> Self {
         self.resolution = pixels;
         self

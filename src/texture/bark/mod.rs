@@ -94,12 +94,14 @@ pub struct BarkSet {
 
 /// A tile of bark that continues into itself on all sides: u runs around the branch, v along it.
 ///
-/// What it guarantees: opposite edges continue, for the noise it is made of has the tile as its period; normals have unit
-/// length within the 8 bits of a channel and are the slopes of the heights; the mean of the base colour, as light, is the
-/// [colour](Self::with_color) asked for, unless it is out of reach (a spread so wide that half of the pixels would have to
-/// be brighter than white); the same options give the same bytes on every platform and at every thread count.
+/// Guarantees: opposite edges continue, since the noise has the tile as its period; normals have
+/// unit length within the 8 bits of a channel and are the slopes of the heights; the mean of the
+/// base colour, as light, is the [colour](Self::with_color) asked for, unless it is out of reach (a
+/// spread so wide that half of the pixels would have to be brighter than white); the same options
+/// give the same bytes on every platform and at every thread count.
 ///
-/// O(resolution²) time: 0.25 to 0.5 s for 1024 x 1024 on one thread. Memory while it is made: 36 bytes a pixel.
+/// O(resolution²) time: 0.25 to 0.5 s for 1024 x 1024 on one thread. Memory while it is made: 36 bytes per
+/// pixel.
 ///
 /// ```
 /// use treesynth::texture::Bark;
@@ -121,7 +123,7 @@ pub struct Bark {
     color: [u8; 3],
     /// The mean colour of young wood.
     young: [u8; 3],
-    /// The outer surface, what is deep, and what is special.
+    /// Colours of the outer surface, of hollows, and of special parts.
     palette: [[u8; 3]; 3],
     spread: f32,
     seed: u64,
@@ -238,7 +240,7 @@ impl Bark {
         self
     }
 
-    /// The side of the tile, metres, 0.01 to 100. What is on it grows with it; the depth does not.
+    /// The side of the tile, metres, 0.01 to 100. Ridges and plates grow with it; the depth does not.
     pub fn with_size(mut self, metres: f32) -> Self {
         self.size = metres;
         self
@@ -262,8 +264,9 @@ impl Bark {
         self
     }
 
-    /// The colours of the outer surface, of what is deep, and of what is special to the kind (lenticels, fresh flakes,
-    /// lichen), sRGB. All are then multiplied by one colour, so that the mean is [`with_color`](Self::with_color)'s.
+    /// The colours of the outer surface, of hollows, and of parts special to the kind (lenticels,
+    /// fresh flakes, lichen), sRGB. All are then multiplied by one colour, so that the mean is
+    /// [`with_color`](Self::with_color)'s.
     pub fn with_palette(mut self, outer: [u8; 3], deep: [u8; 3], special: [u8; 3]) -> Self {
         self.palette = [outer, deep, special];
         self
@@ -281,13 +284,13 @@ impl Bark {
         self
     }
 
-    /// Pixels a side, a power of two from 16 to 8192; default 1024.
+    /// Pixels per side, a power of two from 16 to 8192; default 1024.
     pub fn with_resolution(mut self, pixels: u32) -> Self {
         self.resolution = pixels;
         self
     }
 
-    /// What it does as it grows.
+    /// The kind of bark, by its growth.
     pub fn kind(&self) -> BarkKind {
         self.kind
     }
@@ -349,7 +352,7 @@ impl Bark {
         self.depth * (0.12 + 0.88 * self.age)
     }
 
-    /// How much its hollows are in the dark: 1 where fissures are as deep as wide.
+    /// Darkness of its hollows: 1 where fissures are as deep as wide.
     fn hollows(&self) -> f32 {
         (self.relief() / self.size * 25.0).min(1.2)
     }

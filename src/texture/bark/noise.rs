@@ -1,7 +1,8 @@
 //! Noise that repeats after one tile: gradients on a lattice whose ends meet (Perlin 1985, 2002).
 //!
-//! Along a row of pixels the noise in each cell is a blend of two lines, whose four numbers are worked out once a row and cell
-//! ([`Fractal::line`]); only places that are moved by other noise ask the lattice itself ([`Fractal::at`]).
+//! Along a row of pixels the noise in each cell is a blend of two lines, whose four numbers are computed once
+//! per row and cell ([`Fractal::line`]); only places that are moved by other noise ask the lattice itself
+//! ([`Fractal::at`]).
 
 use super::lanes::{floor, fraction, indices, mix, transposed};
 use crate::random::{self, Purpose};
@@ -13,7 +14,8 @@ fn fade(t: Vec4) -> Vec4 {
     t * t * t * (t * (t * 6.0 - 15.0) + 10.0)
 }
 
-/// Where places are on a lattice that repeats after so many cells: the number of the cell, and the way into it.
+/// Places on a lattice that repeats after `cells` cells: the number of the cell, and the way into
+/// it.
 #[inline]
 pub(super) fn cell(x: Vec4, cells: f32) -> (Vec4, Vec4) {
     let x = fraction(x) * cells;
@@ -33,12 +35,12 @@ impl Seed {
     }
 }
 
-/// Gradient noise with so many cells in a tile across and down, multiplied by a weight.
+/// Gradient noise with this number of cells in a tile across and down, multiplied by a weight.
 #[derive(Debug, Clone)]
 struct Noise {
     columns: u32,
     rows: u32,
-    /// A gradient a lattice point, row by row; the first column and row come again at the end.
+    /// One gradient per lattice point, row by row; the first column and row come again at the end.
     gradients: Vec<f32>,
 }
 
@@ -109,7 +111,7 @@ fn transposed_pairs(pairs: &[Vec2]) -> [Vec4; 2] {
     [Vec4::new(a.x, b.x, c.x, d.x), Vec4::new(a.y, b.y, c.y, d.y)]
 }
 
-/// Where the pixels of every row are on a lattice.
+/// Places on a lattice of the pixels of every row.
 #[derive(Debug)]
 struct Steps {
     /// The place of each one's cell in a row of pairs.

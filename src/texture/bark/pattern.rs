@@ -1,4 +1,4 @@
-//! What all kinds of bark have in common.
+//! Parts that all kinds of bark share.
 
 use super::cells::Dashes;
 use super::lanes::{Quad, mix, smooth};
@@ -21,7 +21,7 @@ pub(super) fn shade(color: Color, factor: Vec4) -> Color {
     color.map(|channel| channel * factor)
 }
 
-/// What is at four places of a bark.
+/// Height, colour and roughness at four places of a bark.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Spot {
     /// 0 (deepest) to 1; what is beyond is cut off.
@@ -31,13 +31,13 @@ pub(super) struct Spot {
     pub(super) roughness: Vec4,
 }
 
-/// A kind of bark: what is where in the tile [0, 1) squared, which it must continue on all sides. x runs around the
-/// branch, y along it.
+/// A kind of bark: its surface over the tile [0, 1) squared, which it must continue on all sides. x
+/// runs around the branch, y along it.
 pub(super) trait Pattern: Sync {
     /// The fields that are asked for at the pixels themselves, as [`Quad::plain`] has them.
     fn plain(&self) -> Vec<&Fractal>;
 
-    /// What is at four pixels.
+    /// The surface at four pixels.
     fn at(&self, quad: &Quad<'_>) -> Spot;
 }
 
@@ -47,9 +47,10 @@ pub(super) struct Recipe {
     pub(super) seed: Seed,
     /// 0 to 1.
     pub(super) age: f32,
-    /// Cells a tile beyond which noise is finer than pixels can show.
+    /// Cells per tile beyond which noise is finer than pixels can show.
     pub(super) finest: u32,
-    /// The outer surface, what is deep, and what is special: lenticels, fresh flakes, patches.
+    /// Colours of the outer surface, of hollows, and of special parts: lenticels, fresh flakes,
+    /// patches.
     pub(super) outer: Color,
     pub(super) inner: Color,
     pub(super) accent: Color,
@@ -78,7 +79,7 @@ impl Recipe {
 /// The smooth skin of young wood, under which the bark of old wood grows: faint wrinkles around the branch, lenticels.
 #[derive(Debug)]
 pub(super) struct Skin {
-    /// How much of the old bark there is; where there is nothing else, nothing else is asked for.
+    /// Share of the old bark; at 1 nothing else is computed.
     old: f32,
     outer: Color,
     blotches: Fractal,
@@ -106,8 +107,8 @@ impl Skin {
         fields
     }
 
-    /// What age has made of the skin: all of it where the bark is old. `first` is the number of the skin's first field.
-    /// Its heights are about 0.8.
+    /// The skin as age has changed it: old bark alone where the bark is old. `first` is the number
+    /// of the skin's first field. The skin's heights are about 0.8.
     #[inline]
     pub(super) fn under(&self, quad: &Quad<'_>, first: usize, old: Spot) -> Spot {
         if self.old >= 1.0 {

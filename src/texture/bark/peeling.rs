@@ -38,12 +38,13 @@ impl Birch {
         }
     }
 
-    /// How much of the bark has burst: 0 beside the diamonds, 1 within.
+    /// Degree to which the bark has burst: 0 beside the diamonds, 1 within.
     #[inline]
     fn burst(&self, x: Vec4, y: Vec4, [scar, fine]: [Vec4; 2]) -> Vec4 {
         let diamond = self.diamonds.at(x + 0.014 * scar, y + 0.012 * scar);
         let [right, up] = diamond.offset.map(Vec4::abs);
-        // As many have burst, and as far, as the bark is old; each is taller than wide, with drawn-out ends along the branch.
+        // Number and size of the bursts grow with age; each is taller than wide, with drawn-out
+        // ends along the branch.
         let own = diamond.value + self.recipe.aged(-0.75, 0.0);
         let size = (own - 0.22).max(Vec4::splat(1e-3));
         let inside =

@@ -62,7 +62,7 @@ impl Pattern for Scales {
         let (height, gap) = (mix(a.0, b.0, broken), mix(a.1, b.1, broken));
         let value = mix(large.value, small.value, broken);
         let Recipe { outer, inner, accent, .. } = self.recipe;
-        // Where a scale has fallen, what lies under it is fresh.
+        // The bark under a fallen scale is fresh.
         let fresh = 1.0 - smooth(0.10, 0.34, value + 0.30 * rough + 0.1 * sway);
         let top = blend(outer, accent, 0.8 * fresh);
         let top = shade(top, 1.0 + 0.42 * (value - 0.5) + 0.20 * fine + 0.14 * rough + 0.16 * sway);

@@ -112,7 +112,7 @@ impl Pattern for Ribbons {
         for (i, (layer, own)) in self.layers.iter().zip(colors).enumerate() {
             let level = layer.at(u, v) + 0.05 * streak + 0.012 * fine;
             let limit = [-0.12, 0.10, 0.30][i];
-            // What has just been bared differs sharply; older skins fade into each other.
+            // The latest skin has a sharp edge; older ones fade into each other.
             let there = smooth(-0.01, [0.20, 0.10, 0.03][i], level - limit);
             color = blend(color, shade(own, 1.0 + 0.08 * streak + 0.05 * blotch), there);
             height += 0.07 * there;

@@ -1,4 +1,4 @@
-//! What holds for every kind of bark.
+//! Properties of every kind of bark.
 
 use super::*;
 

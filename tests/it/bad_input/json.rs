@@ -23,7 +23,7 @@ fn refused(text: &[u8]) -> String {
         Err(error @ ReadError::Syntax { .. }) => {
             let text = error.to_string();
             let ReadError::Syntax { reason, line, .. } = error else { unreachable!() };
-            // What is wrong with the tree has no place in the text.
+            // Faults of the tree have no place in the text.
             let start = if line == 0 { "not a skeleton in JSON: " } else { "not a skeleton in JSON (line " };
             assert!(text.starts_with(start), "{text}");
             reason

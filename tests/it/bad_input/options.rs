@@ -368,7 +368,7 @@ fn huge_sizes_are_refused_at_once() {
 }
 
 /// 200 million nodes are refused where they are counted, so more of them should be where they follow from the
-/// spacing: 700 million here, 50 GB by the 75 bytes a node that the docs state.
+/// spacing: 700 million here, 50 GB by the 75 bytes per node that the docs state.
 #[test]
 fn spacings_too_fine_for_any_memory_are_refused() {
     assert!(PoissonYao::new(plot(1.0, 1.0)).with_nodes(700_000_000).check().is_err());

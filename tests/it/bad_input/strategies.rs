@@ -78,7 +78,7 @@ fn weights_that_forbid_everything() {
     assert!(text.ends_with("the endpoint 400"), "{text}");
     let (error, _) = search_error(Stage::new(Bend::none(), Named(vec![400])).with_weight(flat(false)));
     assert_eq!(error, SearchError::Unreachable { stage: 1, node: 400 });
-    // What says so is believed: no endpoints are chosen where no path leads.
+    // A weight that says that it forbids is believed: no endpoints are chosen where no path leads.
     let policies: [Box<dyn EndpointPolicy>; 3] = [
         Box::new(NearestTo::new(Vec3::X)),
         Box::new(InShape::uniform(Sphere::new(Vec3::Y, 9.0), Count::UpTo(5))),
@@ -209,7 +209,7 @@ fn reasons_of_others_come_through() {
     assert_eq!(error.to_string(), "the radii: no radii today");
 }
 
-/// So many times this number.
+/// This radius, for as many nodes more than there are.
 struct Radii(f32, isize);
 
 impl RadiusModel for Radii {
@@ -304,7 +304,7 @@ fn work_can_be_cancelled_at_every_step() {
     }
 }
 
-/// What was cancelled can be begun again in the same memory.
+/// A search that was cancelled can be begun again in the same memory.
 #[test]
 fn a_cancelled_search_is_as_good_as_new() {
     let graph = cube_graph(20_000, 4);

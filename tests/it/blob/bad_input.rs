@@ -1,4 +1,4 @@
-//! What is no solid is said to be none, and why.
+//! Input that is no solid is refused, with the reason.
 
 use treesynth::glam::{Affine3A, Vec3};
 use treesynth::surface::blob::{

@@ -103,7 +103,8 @@ proptest! {
     }
 }
 
-/// Where a solid meets the other it bulges beyond itself, not far from it, and no farther than the other is felt.
+/// A pressed solid bulges beyond itself where it meets the other, not far from it, and no farther
+/// than the other is felt.
 #[test]
 fn pressed_solids_bulge_around_what_presses() {
     let alone = {

@@ -1,4 +1,6 @@
-//! What `BlobTree` promises: the paper's equations, precise contact, errors, depth, and the skin of trees.
+//! Guarantees of `BlobTree`: the paper's equations, precise contact, errors, depth, and the skin of
+//! trees.
+//! trees.
 
 mod bad_input;
 mod equations;

@@ -74,7 +74,8 @@ fn an_axis_that_tapers_is_smooth() {
     let normals = normals(&tree, Vec3::new(1.0, 0.05, 0.0), Vec3::Z, -step, 300);
     let turned = normals[0].angle_between(normals[299]);
     assert!((0.2..0.5).contains(&turned), "{turned}");
-    // Where cones meet it is as round as the ball they share, of which the least is half a metre.
+    // Cones are as round where they meet as the ball they share, of which the least is half a
+    // metre.
     assert!(sharpest(&normals) < 2.2 * step, "{}", sharpest(&normals));
 }
 

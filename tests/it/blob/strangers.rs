@@ -8,8 +8,8 @@ use treesynth::{Skeleton, presets};
 /// The nearest places of two branches, each with its radius.
 type Nearest = [(Vec3, f32); 2];
 
-/// How far apart two branches have to be, in the sum of their radii, to be called apart; and as far around a third one's
-/// axis, in its radii, is its own wood.
+/// Distance of two branches that count as apart, in the sum of their radii; and the same around a
+/// third one's axis, in its radii, which is its own wood.
 const MARGIN: f32 = 0.2;
 /// Side of the cells in which segments are found, metres.
 const CELL: f32 = 0.1;
@@ -31,7 +31,7 @@ impl Internode {
         (self.ends[0] + way * t, self.radii[0] + (self.radii[1] - self.radii[0]) * t)
     }
 
-    /// Whether fields, which reach at most a radius beyond the surface, may meet.
+    /// `true` if fields, which reach at most a radius beyond the surface, may meet.
     fn is_near(&self, other: &Self) -> bool {
         let middle = |one: &Self| 0.5 * (one.ends[0] + one.ends[1]);
         let reach =
@@ -61,9 +61,10 @@ fn nearest(a: &Internode, b: &Internode) -> Nearest {
 /// Widths of the fields of a bearer, and of a lateral at most.
 const FIELDS: [f32; 2] = [0.7, 1.0];
 
-/// How many pairs of branches are apart but within reach of each other's fields, neither bearing the other, and how many of them are bridged: the solid goes on all
-/// along the line between their surfaces where they are nearest, and the thinnest place of that bridge is neither a third
-/// branch's own wood nor the fillet of a lateral and its bearer.
+/// Numbers of the pairs of branches that are apart but within reach of each other's fields, neither
+/// bearing the other, and of those that are bridged: the solid goes on all along the line between
+/// their surfaces where they are nearest, and the thinnest place of that bridge is neither a third
+/// branch's own wood nor the fillet of a lateral and its parent branch.
 pub(crate) fn bridged(skeleton: &Skeleton, skin: &BlobTree) -> [usize; 2] {
     let branches = skeleton.branches();
     let mut home = vec![0usize; skeleton.len()];
@@ -130,7 +131,7 @@ pub(crate) fn bridged(skeleton: &Skeleton, skin: &BlobTree) -> [usize; 2] {
         let thinnest = places.map(|place| (skin.value(place), place)).min_by(|a, b| a.0.total_cmp(&b.0));
         let (value, place) = thinnest.expect("samples");
         let cell = (place / CELL).floor().as_ivec3().to_array();
-        // What each branch there makes of the place with the fields of a bearer and of a lateral.
+        // Fields of each branch there at the place, as a parent branch and as a lateral.
         let mut felt: BTreeMap<usize, [f32; 2]> = BTreeMap::new();
         let mut within_another = false;
         for other in cells.get(&cell).into_iter().flatten().map(|&number| &internodes[number as usize]) {

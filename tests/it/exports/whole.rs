@@ -1,4 +1,4 @@
-//! What a reader of core glTF finds, who knows no extension.
+//! A file as a reader of core glTF finds it, who knows no extension.
 
 use std::collections::BTreeMap;
 use treesynth::export::{self, GlbOptions, Instancing, LevelNodes};

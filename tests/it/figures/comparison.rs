@@ -14,7 +14,7 @@ fn figure_18() {
 #[test]
 fn figure_19() {
     let tree = Tree::grow(typical(), 1, &stages("figure-19", 2));
-    // How limbs of at least 12 hops turn from hop 5 to their ends.
+    // Turn of limbs of at least 12 hops from hop 5 to their ends.
     let turn = |tree: &Tree| {
         let long = tree.paths(1).into_iter().filter(|path| path.hops() >= 12);
         mean(long.map(|path| path.tilt_at_end(5) - path.tilt_between(3, 7)))

@@ -1,4 +1,4 @@
-//! What each figure of the paper shows, as a number on the preset's tree.
+//! The feature that each figure of the paper shows, as a number on the preset's tree.
 //!
 //! Each number is taken on the preset and on a tree of another rule on the way to the same endpoints in the same
 //! graph, of another policy, or of the figure's other presets. There it must fall on the other side of the limit: what
@@ -304,7 +304,7 @@ fn degrees(angle: f32) -> f32 {
     angle.to_radians()
 }
 
-/// What passes upwards through a height: the nodes above it.
+/// Stems that pass upwards through a height: the nodes above it.
 fn stems(tree: &Tree, height: f32) -> Vec<usize> {
     let y = |node: usize| tree.positions()[node].y;
     let rising = tree.skeleton().edges().filter(|&(node, parent)| {

@@ -97,7 +97,7 @@ fn figure_06() {
 #[test]
 fn figure_07() {
     let trees = several(8, "figure-07", 60_000, 1);
-    // How far paths turn away from up, by the angle of their ends to the axis.
+    // Turn of paths away from up, by the angle of their ends to the axis.
     let turns = |trees: &[Tree]| {
         let turns: Vec<(f32, f32)> = paths(trees, 0)
             .iter()

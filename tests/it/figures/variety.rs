@@ -128,7 +128,7 @@ fn figure_17b() {
     let [droop, rise] = [(8.0, 8.0, 3), (30.0, -10.0, 3)]
         .map(|(first, rest, hops)| Bend::piecewise(degrees(first), degrees(rest), hops));
     let swapped = each(&trees, |tree| tree.ruled(1, ByHeight::new(5.8, rise.clone(), droop.clone())));
-    // How limbs of more than 6 hops turn, below and above.
+    // Turn of limbs of more than 6 hops, below and above.
     let turns = |trees: &[Tree]| {
         let (low, high): (Vec<Path>, Vec<Path>) =
             paths(trees, 1).into_iter().filter(|path| path.hops() > 6).partition(|path| path.start().y < 5.8);
@@ -197,7 +197,7 @@ fn figure_17f_g_h() {
     }
     assert_eq!(shoots(&trees("figure-17c"), 2.0), [1, 1], "a trunk");
     let birches = several(6, "figure-17g", 20_000, 1);
-    // How far up it parts is the seed's: from the ground to four metres.
+    // The height at which it parts depends on the seed: from the ground to four metres.
     let parted = |height| mean(shoots(&birches, height).into_iter().map(|count| count as f32));
     ascending("a trunk", &[0.99, parted(0.5), 1.9]); // 1.5
     ascending("in two", &[1.75, parted(6.0), 2.01]); // 2

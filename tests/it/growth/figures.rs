@@ -1,4 +1,4 @@
-//! What each figure of the paper shows, as a number.
+//! The feature that each figure of the paper shows, as a number.
 
 use std::collections::BTreeMap;
 use treesynth::glam::Vec3;
@@ -74,7 +74,7 @@ fn figure_8_rounder_contours() {
         young < 0.33 && young + 0.05 < middle && middle + 0.05 < old && old > 0.45,
         "{young} {middle} {old}"
     );
-    // Two branches a year on a trunk of so many years, none lost.
+    // Two branches per year on a trunk of so many years, none lost.
     assert_eq!(limbs(&growth.at(27.0).expect("a tree")).len(), 2 * 26);
 }
 
@@ -112,7 +112,7 @@ fn figure_10_scale() {
 /// "Shorter branches are only observed near the top of the tree where they are younger."
 #[test]
 fn figure_11_loss() {
-    // By year and side: what is lost leaves its numbers to others.
+    // Limbs by year and side: those that are lost leave their numbers to others.
     let sides = |name: &str| -> BTreeMap<(u16, bool), Limb> {
         let limbs = limbs(&growth(name).at(27.0).expect("a tree"));
         limbs

@@ -1,4 +1,4 @@
-//! What holds of every tree at every age.
+//! Invariants of every tree at every age.
 
 use crate::sample::fnv1a;
 use proptest::prelude::*;
@@ -134,7 +134,7 @@ proptest! {
         prop_assert!(stayed > 0);
     }
 
-    /// What a node is never changes, and what is gone stays away.
+    /// A node never changes, and a node that is gone stays away.
     #[test]
     fn nodes_keep_their_identity(tree in 0usize..5, ages in prop::collection::vec(0.0f32..0.55, 3)) {
         let growth = &TREES[tree];

@@ -22,8 +22,8 @@ fn fork() -> Skeleton {
     skeleton.with_radii(vec![0.03, 0.02, 0.01, 0.01]).expect("radii")
 }
 
-/// By hand, in 10 years. By distance alone the fork is reached at 5, both tips at 10. By radius the fork, half way between
-/// the thinnest and the foot, is 5 years old too.
+/// Births by hand, in 10 years. By distance alone the fork is reached at 5, both tips at 10. By radius the
+/// fork, half way between the thinnest and the foot, is 5 years old too.
 #[test]
 fn births_by_hand() {
     let timeline = Timeline::new(fork(), 10.0).expect("a timeline");

@@ -7,7 +7,7 @@ use std::panic::catch_unwind;
 use treesynth::rand::{Rng, RngExt};
 use treesynth::random::{Purpose, stream};
 
-/// How often each target is run; more by `TREESYNTH_MUTATIONS`.
+/// Number of runs of each target; more by `TREESYNTH_MUTATIONS`.
 fn runs() -> u64 {
     std::env::var("TREESYNTH_MUTATIONS").ok().and_then(|runs| runs.parse().ok()).unwrap_or(20_000)
 }

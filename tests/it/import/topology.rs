@@ -111,7 +111,7 @@ fn sheets_with_two_sides_count_once() {
     }
 }
 
-/// What a struct that cannot be written out by others takes.
+/// Changes a struct that others cannot write out.
 trait With: Sized {
     fn with(self, change: impl FnOnce(&mut Self)) -> Self;
 }

@@ -11,14 +11,14 @@ use treesynth::guided::{
 use treesynth::random::{Purpose, unit};
 use treesynth::shape::{Ellipsoid, HalfEllipsoid, ShapeRecipe, Sphere};
 
-/// How the directions around a node are divided.
+/// Division of the directions around a node.
 #[derive(Clone, Copy, Debug)]
 enum Sectors {
-    /// By the signs of the coordinates; zero counts as positive.
+    /// The octants, by the signs of the coordinates; zero counts as positive.
     Octants,
     /// Equal wedges of the plane, anticlockwise from +X.
     Wedges(usize),
-    /// By the nearest of so many directions along a spiral of golden angles.
+    /// The nearest of this number of directions along a spiral of golden angles.
     Spiral(usize),
 }
 

@@ -1,4 +1,4 @@
-//! Where branches end (sections 3.2.2 and 3.2.3), against plain breadth-first searches.
+//! Ends of branches (sections 3.2.2 and 3.2.3), against plain breadth-first searches.
 
 use crate::sample::{cases, cube_graph, degrees, hops, plot};
 use proptest::prelude::*;
@@ -12,7 +12,7 @@ use treesynth::{EndpointPolicy, Shape, Silent};
 
 const CROWN: Ellipsoid = Ellipsoid::new(Vec3::new(0.0, 3.6, 0.0), Vec3::new(2.0, 1.6, 2.0));
 
-/// What a policy chose as third stage of a tree.
+/// Choice of a policy as third stage of a tree.
 struct Choice {
     /// The tree it saw.
     tree: Vec<u32>,
@@ -75,7 +75,7 @@ proptest! {
         let all = choose(&graph, seed, HopSurface::new(k, Count::UpTo(usize::MAX)).with_outermost(1.0));
         let expected = surface(&graph, &all.tree, k);
         prop_assert_eq!(&all.chosen.iter().copied().collect::<BTreeSet<_>>(), &expected);
-        // So many of them, or a share, rounded up.
+        // This number of them, or a share, rounded up.
         let ten = choose(&graph, seed, HopSurface::new(k, 10).with_outermost(1.0));
         prop_assert!(ten.chosen.len() == 10 && ten.chosen.iter().all(|node| expected.contains(node)));
         let fifth = choose(&graph, seed, HopSurface::new(k, Count::Share(0.2)).with_outermost(1.0));
@@ -102,7 +102,7 @@ proptest! {
         prop_assert!((of_all.len() as f32 - wanted).abs() <= 5.0 * spread + 1.0, "{} of {wanted}", of_all.len());
     }
 
-    /// By metres of path: distances by relaxing every edge until nothing changes.
+    /// The surface by metres of path: distances by relaxing every edge until nothing changes.
     #[test]
     fn the_surface_is_metres_off(seed: u64, k in 1u32..4, hop in 0.05f32..0.4, nodes in 300usize..900) {
         let graph = cube_graph(nodes, seed);

@@ -50,7 +50,7 @@ fn assert_full(graph: &Graph, region: &Region, spacing: &Spacing, seed: u64, cou
         let place = if i % 2 == 0 {
             bounds.at(Vec3::new(draw(0), draw(1), draw(2)))
         } else {
-            // Where nodes are dense, places should be.
+            // Places are dense where nodes are.
             let node = graph.positions()[(draw(3) * nodes.len() as f32) as usize];
             node + (Vec3::new(draw(0), draw(1), draw(2)) - 0.5) * 4.0 * spacing.at(node)
         };

@@ -1,4 +1,4 @@
-//! What the paper and the design promise, computed a second time in another way.
+//! Guarantees of the paper and the design, computed a second time in another way.
 
 mod edges;
 mod endpoints;

@@ -90,7 +90,7 @@ fn check_stage(
         }
     }
     assert!(!search.is_complete() || compared > search.graph().nodes() / 3);
-    // What has joined costs nothing now; its path does, and adds up to the least cost.
+    // A path that has joined costs nothing now; its edges add up to the least cost.
     for &endpoint in &chosen {
         let mut path = vec![endpoint];
         while !was_on_tree.contains(&path[path.len() - 1]) {

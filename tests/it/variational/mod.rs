@@ -171,7 +171,7 @@ fn any_level() -> impl Strategy<Value = Level> {
     )
 }
 
-/// What every growth promises.
+/// Guarantees of every growth.
 fn check_growth(growth: &Growth, shape: &GuidanceShape) -> Result<(), TestCaseError> {
     let tree = &growth.skeleton;
     prop_assert_eq!(tree.check(), Ok(()));
@@ -193,7 +193,7 @@ fn check_growth(growth: &Growth, shape: &GuidanceShape) -> Result<(), TestCaseEr
             prop_assert!(pair[1].guidance <= pair[0].guidance + 1e-9, "{:?}", pair);
         }
     }
-    // What the public functions say of the tree is what the trace says of its step.
+    // The public functions say the same of the tree as the trace of its step.
     // Angles that no tree can have, and a large μ, push nodes out by up to a half.
     prop_assert!(overreach(growth, shape) <= 3.0, "{}", overreach(growth, shape));
     let (step, structure) = (growth.trace[growth.best], growth.structure().unwrap());
@@ -204,8 +204,9 @@ fn check_growth(growth: &Growth, shape: &GuidanceShape) -> Result<(), TestCaseEr
     Ok(())
 }
 
-/// How far a branch node is at the most from a shape node that it carries, over its cluster's reach: the largest distance
-/// between any two of what meets there, its shape nodes, its parent and its children.
+/// Greatest distance of a branch node from a shape node that it carries, over its cluster's reach:
+/// the largest distance between any two of what meets there, its shape nodes, its parent and its
+/// children.
 fn overreach(growth: &Growth, shape: &GuidanceShape) -> f32 {
     let tree = &growth.skeleton;
     let mut meet: Vec<Vec<Vec3>> = vec![Vec::new(); growth.branch_nodes];
@@ -316,7 +317,7 @@ fn grown(name: &str, count: usize) -> Growth {
     preset.synth(count).map(|synth| synth.grow(preset.seed, &Silent).expect("a tree")).expect("a preset")
 }
 
-/// How high the stem of the first level goes, of the tree's height.
+/// Height of the stem of the first level, as a part of the tree's height.
 fn stem(growth: &Growth) -> f32 {
     let tree = &growth.skeleton;
     let highest = |stage: u16| {

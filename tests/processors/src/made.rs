@@ -1,4 +1,4 @@
-//! What is made: a file, an image or the numbers themselves.
+//! Results to compare: a file, an image or the numbers themselves.
 
 use crate::hash::Hash;
 use std::error::Error;

@@ -1,6 +1,6 @@
-//! What the WebAssembly module exports; `scripts/check_processors` calls it with Node.js.
+//! Exports of the WebAssembly module; `scripts/check_processors` calls it with Node.js.
 
-/// How many things there are to make.
+/// Number of results.
 #[unsafe(no_mangle)]
 pub extern "C" fn count() -> usize {
     crate::all().len()

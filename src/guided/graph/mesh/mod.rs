@@ -1,4 +1,4 @@
-//! A graph on a surface of triangles, for what climbs: ivy, roots on a rock.
+//! A graph on a surface of triangles, for climbers such as ivy, or roots on a rock.
 
 mod nodes;
 mod triangles;
@@ -32,10 +32,11 @@ const MAX_NODES: f32 = 2e7;
 /// spacing from a node: 1.05 was the worst of 20,000 measured. A node's edges lead to the nearest node in each
 /// of 8 sectors of its tangent plane, and back.
 ///
-/// What is promised of an edge: it is no longer than 3 spacings, and there is a path on the surface from one end to
-/// the other that keeps within the [tolerance](Self::with_tolerance) of it and is at most 1.5 times as long. So no
-/// edge tunnels through a wall to its other side, however thin it is, except around its rim, and none bridges a gap. The path is the cut of the surface with
-/// the plane through the edge and its ends' mean normal.
+/// Each edge is at most 3 spacings long, and a path on the surface from one end to the other keeps
+/// within the [tolerance](Self::with_tolerance) of it and is at most 1.5 times as long. So no edge
+/// tunnels through a wall to its other side, however thin it is, except around its rim, and none
+/// bridges a gap. The path is the cut of the surface with the plane through the edge and its ends'
+/// mean normal.
 ///
 /// Surfaces may be open, or in several pieces; vertices in one place are one. Where more than two triangles meet in a
 /// side, no edge crosses that side. Normals look to where the corners of a triangle run counter-clockwise. [`nodes`](Self::nodes) gives the normals of the graph's nodes to rules and to leaves.
@@ -91,8 +92,8 @@ pub struct SurfaceNodes {
 }
 
 impl PoissonSurface {
-    /// 20,000 nodes on a mesh: positions in metres, three numbers of positions a triangle. The root is the point of the
-    /// surface nearest to the origin.
+    /// 20,000 nodes on a mesh: positions in metres, three numbers of positions per triangle. The root is the
+    /// point of the surface nearest to the origin.
     pub fn new(positions: Vec<Vec3>, triangles: Vec<[u32; 3]>) -> Self {
         Self {
             positions: positions.into(),
@@ -111,7 +112,7 @@ impl PoissonSurface {
         Self::new(corners, triangles.collect())
     }
 
-    /// About so many nodes, in [1, 20000000]; the spacing follows from the surface's area.
+    /// Approximate number of nodes, in [1, 20000000]; the spacing follows from the surface's area.
     pub fn with_nodes(mut self, nodes: usize) -> Self {
         self.size = Size::Nodes(nodes);
         self
@@ -123,8 +124,8 @@ impl PoissonSurface {
         self
     }
 
-    /// How far an edge may leave the surface, in spacings, in (0, 1]; default 0.5. Less than that keeps edges from
-    /// cutting corners, and leaves fewer ways around them.
+    /// Largest distance of an edge from the surface, in spacings, in (0, 1]; default 0.5. Smaller
+    /// values keep edges from cutting corners, and leave fewer ways around them.
     pub fn with_tolerance(mut self, spacings: f32) -> Self {
         self.tolerance = spacings;
         self

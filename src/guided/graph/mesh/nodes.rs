@@ -25,7 +25,7 @@ pub(super) struct Cells {
 }
 
 impl Cells {
-    /// Cubes of a side, for about so many points.
+    /// Cubes of this side, for about this number of points.
     pub(super) fn new(side: f32, points: usize) -> Self {
         let heads = vec![NONE; (2 * points).next_power_of_two()];
         Self { side, heads, before: Vec::new(), cubes: Vec::new() }

@@ -8,7 +8,7 @@ pub(super) const NONE: u32 = u32::MAX;
 #[derive(Debug)]
 pub(super) struct Triangles {
     corners: Vec<[Vec3; 3]>,
-    /// Names of the corners, one a place.
+    /// Names of the corners, one per place.
     names: Vec<[u32; 3]>,
     normals: Vec<Vec3>,
     /// Beyond the sides from corner 0 to 1, 1 to 2 and 2 to 0.

@@ -22,8 +22,8 @@ pub(super) struct Walk<'a> {
 }
 
 impl Walk<'_> {
-    /// Whether the cut of the surface with the plane through both points and along `normal` leads from one to the
-    /// other, near to the line between them.
+    /// `true` if the cut of the surface with the plane through both points and along `normal` leads
+    /// from one to the other, near to the line between them.
     ///
     /// A corner on the plane counts as on its upper side. So every triangle has none or two sides that the plane
     /// crosses, whatever the rounding, and the way through triangles never branches.

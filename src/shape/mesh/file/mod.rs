@@ -223,7 +223,8 @@ impl TriangleMesh {
     }
 }
 
-/// Why a file cannot be read: the kind of file, the place in it, what was found and what would do.
+/// Error of a file that cannot be read: the kind of file, the place in it, what was found and what
+/// is required.
 fn unreadable(
     format: MeshFormat,
     place: impl std::fmt::Display,

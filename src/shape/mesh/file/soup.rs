@@ -6,7 +6,8 @@ use super::polygon::triangulate;
 use super::{Import, MeshFormat, unreadable};
 use crate::shape::{LARGEST, TriangleMesh, TriangleMeshError};
 
-/// Rounding to `f32` may move a corner by so much of the model's longest side; more would make another model of it.
+/// Largest move of a corner by rounding to `f32`, as a part of the model's longest side; more would
+/// make another model of it.
 const MOST_ROUNDING: f64 = 1.0 / 256.0;
 
 /// Vertices and polygons of them.
