@@ -1,16 +1,17 @@
 //! Self-organizing growth: the two cases of the original program, with its defaults.
 //!
 //! Beside them what else a forest may have: the sun, sag, the priority model, space instead of light; a pruned stand;
-//! a hectare.
+//! a landscape by tiles; a hectare.
 //!
 //! The program halves the exponent of the shadow's fall with depth, which its text does not say; so do these cases.
 
 mod measure;
 
 use measure::{Samples, count, number, print_table};
-use treesynth::glam::Vec3;
+use treesynth::glam::{IVec2, Vec3};
 use treesynth::self_organizing::{
-    Daylight, Environment, Forest, Habit, Sag, ShadowPropagation, SpaceColonization, VigorModel,
+    Daylight, Environment, Forest, Habit, Landscape, Sag, ShadowPropagation, SpaceColonization, Tree,
+    VigorModel,
 };
 use treesynth::shape::Cuboid;
 use treesynth::{Bounds, Shape};
@@ -98,6 +99,18 @@ fn hectare() -> Forest {
     forest
 }
 
+/// 576 trees on a landscape of 48 m by 48 m: tiles of so many cells, one after the other, with margins of two.
+fn by_tiles(cells: u32) -> usize {
+    let light = |bounds| ShadowPropagation::new(bounds).with_cell(0.1);
+    let landscape =
+        Landscape::new(light, Habit::default().with_length(0.1), 1).with_tile(cells).with_margin(2);
+    let along = 24 / cells as i32;
+    let tiles = (0..along * along).map(|tile| IVec2::new(tile % along, tile / along));
+    let seasons = measure::size(16, 4) as u32;
+    let grown = tiles.map(|tile| landscape.grow(tile, seasons).expect("no limit is near"));
+    grown.map(|forest| landscape.own(&forest).map(Tree::metamers).sum::<usize>()).sum()
+}
+
 fn main() {
     measure::single_thread();
     let mut criterion = measure::criterion();
@@ -143,6 +156,8 @@ fn main() {
         stand.prune(&keep).expect("a sound box");
         Some(stand)
     });
+    samples.repeat(1, "landscape, one tile", || by_tiles(24));
+    samples.repeat(1, "landscape, nine tiles", || by_tiles(8));
     #[cfg(feature = "parallel")]
     samples.repeat(1, "hectare", || pool.install(hectare));
     let base = samples.median(MANY.name);
@@ -152,19 +167,28 @@ fn main() {
         let times = base.map_or_else(String::new, |base| number(time / base));
         Some(vec![(*name).to_owned(), count(metamers), number(time), number(each), times])
     });
-    let more = [("prune", stand.metamers() / 2), ("hectare", 10_000_000)].into_iter().filter_map(
-        |(name, metamers)| {
-            let time = samples.median(name)?;
-            let each = time * 1e6 / metamers as f64;
-            Some(vec![name.to_owned(), count(metamers), number(time), number(each), String::new()])
-        },
-    );
+    let more: [(&str, &dyn Fn() -> usize); 4] = [
+        ("prune", &|| stand.metamers() / 2),
+        ("landscape, one tile", &|| by_tiles(24)),
+        ("landscape, nine tiles", &|| by_tiles(8)),
+        ("hectare", &|| 10_000_000),
+    ];
+    let more = more.into_iter().filter_map(|(name, grow)| {
+        let (time, metamers) = (samples.median(name)?, grow());
+        let each = time * 1e6 / metamers as f64;
+        Some(vec![name.to_owned(), count(metamers), number(time), number(each), String::new()])
+    });
     print_table(
-        "The 25 trees with something else; the upper half of theirs pruned; 500 trees on a hectare, two threads.",
+        "The 25 trees with something else; the upper half of theirs pruned; 576 trees on a landscape; 500 on a hectare, two threads.",
         &["case", "metamers", "ms", "ns per metamer", "times as long as the 25 trees"],
         &beside.chain(more).collect::<Vec<_>>(),
     );
 
+    print_cases(&samples);
+}
+
+/// The cases of the original program, beside what it took.
+fn print_cases(samples: &Samples) {
     let rows = CASES.iter().filter_map(|case| {
         let &Case { name, metamers, original, goal, .. } = case;
         let time = samples.median(name)?;

@@ -29,6 +29,8 @@ impl Purpose {
     pub const COMPLETION: Self = Self(10);
     /// Seeds of trees: their number and where they fall.
     pub const SEEDS: Self = Self(7);
+    /// Trees of a landscape: where in their cells they stand, and of which species they are.
+    pub const PLANTS: Self = Self(10);
     /// Waywardness of a trunk.
     pub const LEADER: Self = Self(9);
     /// Positions of the marker points of space colonization.

@@ -40,6 +40,7 @@ mod rotation;
 mod samples;
 mod site;
 mod stand;
+mod topiary;
 mod variety;
 mod volume;
 
@@ -49,6 +50,7 @@ pub use look::Season;
 pub use organized::{WALL, stands};
 pub use painted::{spaces, strokes};
 pub use stand::Stand;
+pub use topiary::Peacock;
 
 use crate::foliage::Foliage;
 use crate::guided::{Bend, NearestTo, Recipe, StageRecipe, TreeSynth};

@@ -1,10 +1,11 @@
 //! Trees and stands that organize themselves: the effects of habit, wind, walls and neighbours.
 
 use super::stand::Stand;
-use super::{degrees, hedge};
+use super::{degrees, hedge, topiary};
+use crate::random::{Purpose, unit};
 use crate::self_organizing::{
-    Axis, Daylight, Forest, ForestError, Habit, Offspring, Phyllotaxis, Regrowth, Sag, ShadowPropagation,
-    VigorModel,
+    Axis, Daylight, DeadWood, Forest, ForestError, Habit, Offspring, Phyllotaxis, Regrowth, Sag,
+    ShadowPropagation, Shedding, VigorModel,
 };
 use crate::shape::{Bounds, Cuboid, Cylinder, Intersection, Sphere, Union};
 use glam::Vec3;
@@ -144,6 +145,8 @@ const STANDS: &[Stand] = &[
         },
     ),
     Stand::new("stand-hedge", "Twenty in a row, trimmed every year.", 30, hedge::plant).tended(hedge::trim),
+    Stand::new("stand-peacock", "A box clipped to a peacock, every year.", 24, topiary::plant)
+        .tended(topiary::trim),
     Stand::new("stand-pollard", "Cut back to a head at two metres, every sixth year.", 33, |seed| {
         let habit = apical(0.5).with_regrowth(Regrowth::default().with_buds(8).with_reach(10));
         alone(seed, habit)
@@ -165,6 +168,18 @@ const STANDS: &[Stand] = &[
         let mut forest = Forest::new(light(16.0, 14.0), apical(0.52), seed);
         for i in 0..9 {
             forest.plant(Vec3::new((i % 3) as f32 * 3.5 - 3.5, 0.0, (i / 3) as f32 * 3.5 - 3.5))?;
+        }
+        Ok(forest)
+    }),
+    Stand::new("stand-thinning", "Too many of one age: some win, the dead stand as snags.", 18, |seed| {
+        let habit = apical(0.53)
+            .with_shedding(Shedding::self_thinning())
+            .with_dead_wood(DeadWood::default().with_seasons(8));
+        let mut forest = Forest::new(light(16.0, 14.0), habit, seed);
+        for i in 0..196u32 {
+            let aside = |axis: u32| 0.6 * (unit(seed, axis, Purpose::PLANTS, i.into()) - 0.5);
+            let place = Vec3::new((i % 14) as f32 + aside(0), 0.0, (i / 14) as f32 + aside(1));
+            forest.plant((place - Vec3::new(6.5, 0.0, 6.5)) * 0.9)?;
         }
         Ok(forest)
     }),

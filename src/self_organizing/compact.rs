@@ -59,6 +59,8 @@ struct TreeHead {
     vigor: f32,
     bare_since: u16,
     releases: Vec<Release>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    died: Option<u16>,
 }
 
 impl<E: Environment + serde::Serialize> Forest<E> {
@@ -175,6 +177,7 @@ impl TreeHead {
             vigor: tree.vigor,
             bare_since: tree.bare_since,
             releases: tree.releases.clone(),
+            died: tree.died,
         }
     }
 
@@ -188,6 +191,7 @@ impl TreeHead {
             vigor: self.vigor,
             bare_since: Some(self.bare_since),
             releases: self.releases,
+            died: self.died,
         }
     }
 }

@@ -107,7 +107,7 @@ impl Tree {
     }
 
     /// Cuts off the metamers below the nodes of these indices, ascending, and all above them; buds take their places
-    /// and others wake. Returns what fell. O(n).
+    /// and others wake, unless the tree is dead. Returns what fell. O(n).
     pub(super) fn cut(&mut self, lowest: &[u32], regrowth: Option<Regrowth>, season: u16) -> Vec<Vec3> {
         // The stump of each cut, by index now and by identity for later, and the buds it has lost.
         let mut stumps = Vec::new();
@@ -124,7 +124,8 @@ impl Tree {
             }
         }
         let mut fallen = Vec::new();
-        self.fell(lowest, BUD, &mut fallen);
+        let dead = self.died.is_some();
+        self.fell(lowest, if dead { DEAD } else { BUD }, &mut fallen);
         // From the stumps down, branches carry less.
         let mut lighter = vec![false; self.nodes.len()];
         for &(stump, ..) in &stumps {
@@ -136,7 +137,7 @@ impl Tree {
                 lighter[self.nodes[node].parent as usize] = true;
             }
         }
-        if let Some(regrowth) = regrowth {
+        if let Some(regrowth) = regrowth.filter(|_| !dead) {
             for (stump, side, lost) in stumps {
                 self.wake((self.index_of(stump).unwrap_or_default(), side), lost, regrowth, season);
             }

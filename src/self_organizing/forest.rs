@@ -68,7 +68,7 @@ pub struct Forest<E: Environment = ShadowPropagation> {
     pub(super) most_trees: usize,
     /// In how many parts the shoots of a season grow.
     pub(super) parts: u32,
-    /// The shade of each species that the environment has been told of.
+    /// The shade of each [class](Tree::class) that the environment has been told of.
     #[cfg_attr(feature = "serde", serde(skip))]
     pub(super) told: Vec<f32>,
 }
@@ -123,15 +123,15 @@ fn emptied<E: Environment, T>(
     told: &[f32],
     change: impl FnOnce(&mut E) -> T,
 ) -> T {
-    let nodes = |habit: usize| -> Vec<Vec3> {
-        trees.iter().filter(|tree| tree.habit() == habit).flat_map(Tree::positions).collect()
+    let nodes = |class: usize| -> Vec<Vec3> {
+        trees.iter().filter(|tree| tree.class() == class).flat_map(Tree::positions).collect()
     };
-    for (habit, &shade) in told.iter().enumerate() {
-        environment.update_shaded(shade, &[], &nodes(habit));
+    for (class, &shade) in told.iter().enumerate() {
+        environment.update_shaded(shade, &[], &nodes(class));
     }
     let result = change(environment);
-    for (habit, &shade) in told.iter().enumerate() {
-        environment.update_shaded(shade, &nodes(habit), &[]);
+    for (class, &shade) in told.iter().enumerate() {
+        environment.update_shaded(shade, &nodes(class), &[]);
     }
     result
 }
@@ -294,10 +294,11 @@ impl<E: Environment> Forest<E> {
         ParameterError::unless(next < u32::MAX, "Forest.next_tree", next, "below 4294967295")?;
         self.tell_shades();
         self.root(foot, habit as u32, 0);
-        self.environment.update_shaded(self.told[habit], &[foot], &[]);
+        let shade = self.told[2 * habit];
+        self.environment.update_shaded(shade, &[foot], &[]);
         if let Err(error) = self.environment.check() {
             // The environment cannot reach it.
-            self.environment.update_shaded(self.told[habit], &[], &[foot]);
+            self.environment.update_shaded(shade, &[], &[foot]);
             self.trees.pop();
             self.next_tree = next;
             return Err(error.into());
@@ -319,8 +320,8 @@ impl<E: Environment> Forest<E> {
     /// # Errors
     /// The first that is not.
     pub fn check(&self) -> Result<(), ParameterError> {
-        self.environment.check()?;
         self.room.check()?;
+        self.environment.check()?;
         let most = self.most_metamers;
         ParameterError::unless(most <= 1 << 31, "Forest.most_metamers", most, "at most 2^31")?;
         let (parts, range) = (self.parts, "1 to 64");

@@ -26,7 +26,7 @@ impl<E: Environment> Forest<E> {
         let tree = &mut self.trees[place];
         let regrowth = self.habits[tree.habit as usize].regrowth;
         let fallen = tree.cut(&[index as u32], regrowth, self.season);
-        self.environment.update_shaded(self.told[tree.habit as usize], &[], &fallen);
+        self.environment.update_shaded(self.told[tree.class()], &[], &fallen);
         Ok(())
     }
 
@@ -45,7 +45,7 @@ impl<E: Environment> Forest<E> {
             let lowest: Vec<u32> = (1..tree.nodes.len()).filter(outside).map(|node| node as u32).collect();
             let regrowth = habits[tree.habit as usize].regrowth;
             let fallen = if lowest.is_empty() { Vec::new() } else { tree.cut(&lowest, regrowth, season) };
-            (tree.habit, Change { fallen, ..Change::default() })
+            (tree.class(), Change { fallen, ..Change::default() })
         });
         let fallen = changes.iter().map(|(_, change)| change.fallen.len()).sum();
         tell(&mut self.environment, &self.told, changes);
@@ -61,8 +61,30 @@ impl<E: Environment> Forest<E> {
         self.tell_shades();
         let tree = self.trees.remove(place);
         let fallen: Vec<_> = tree.positions().collect();
-        self.environment.update_shaded(self.told[tree.habit as usize], &[], &fallen);
+        self.environment.update_shaded(self.told[tree.class()], &[], &fallen);
         Ok(tree.metamers())
+    }
+
+    /// Ends a tree's life, as ring-barking does. If its habit has [dead wood](super::DeadWood) it stands as a snag from now
+    /// on, otherwise, and if it has no metamers, it goes as if [removed](Self::remove). Nothing happens to a snag.
+    ///
+    /// # Errors
+    /// No tree of this number.
+    pub fn kill(&mut self, tree: u32) -> Result<(), ParameterError> {
+        let place = self.place_of(tree)?;
+        let standing = &mut self.trees[place];
+        if standing.died.is_some() {
+            return Ok(());
+        }
+        if self.habits[standing.habit()].dead_wood.is_none() || standing.metamers() == 0 {
+            return self.remove(tree).map(|_| ());
+        }
+        self.tell_shades();
+        let tree = &mut self.trees[place];
+        let class = tree.class();
+        let change = Change { died: tree.die(self.season), ..Change::default() };
+        tell(&mut self.environment, &self.told, vec![(class, change)]);
+        Ok(())
     }
 
     fn place_of(&self, tree: u32) -> Result<usize, ParameterError> {

@@ -2,6 +2,7 @@
 
 use super::axis::Axis;
 use super::cut::Regrowth;
+use super::dead::DeadWood;
 use super::offspring::Offspring;
 use super::phyllotaxis::Phyllotaxis;
 use super::sag::Sag;
@@ -51,6 +52,7 @@ pub struct Habit {
     pub(super) stature: Option<Stature>,
     pub(super) axes: Vec<Axis>,
     pub(super) sag: Option<Sag>,
+    pub(super) dead_wood: Option<DeadWood>,
 }
 
 impl Habit {
@@ -69,7 +71,7 @@ crate::recipe::readable!(Habit {
     vigor_model: VigorModel, vigor_multiplier: f32, lateral_angle: f32, phyllotaxis: Phyllotaxis,
     default_weight: f32, optimal_weight: f32, tropism: Vec3, shedding: Option<Shedding>,
     offspring: Option<Offspring>, width_exponent: f32, tip_radius: f32, regrowth: Option<Regrowth>,
-    stature: Option<Stature>, sag: Option<Sag>,
+    stature: Option<Stature>, sag: Option<Sag>, dead_wood: Option<DeadWood>,
 });
 
 /// When a tree gives up a branch: once its vigor falls below `multiplier · (child count^(1/n))^exponent`, the
@@ -93,6 +95,20 @@ impl Default for Shedding {
 }
 
 impl Shedding {
+    /// Multiplier 0.95, exponent 2.2, a grace of 4 seasons: the shedding of a stand that thins itself.
+    ///
+    /// The exponent says whether a dense stand goes on thinning. With that of the default, 1.5, neighbours that have
+    /// outlived their fifth season stand side by side for ever. The need of a stem rises with its cross-section, for each
+    /// living pipe must be fed (Shinozaki et al. 1964, "A quantitative analysis of plant form: the pipe model theory"), so
+    /// with an exponent of about 2: then the light of a crown between neighbours no longer pays for the stem that carries
+    /// it, the weaker die, and mean stem mass goes with density to the power of -3/2, the self-thinning rule of Yoda et
+    /// al. 1963. Measured over 22 seasons of 676 trees with metamers of 0.1 m, 0.5, 0.7 and 0.9 m apart, six seeds each:
+    /// -1.32 to -1.77 for an apical control of 0.53; -1.56 to -1.88 for 0.5 and 0.55. A larger multiplier or exponent
+    /// thins faster along a flatter line.
+    pub fn self_thinning() -> Self {
+        Self { multiplier: 0.95, exponent: 2.2, grace: 4 }
+    }
+
     /// Sets the vigor a branch of one bud needs, in [0, 1e6]; 0.3 by default. At 0 nothing is shed.
     pub fn with_multiplier(mut self, multiplier: f32) -> Self {
         self.multiplier = multiplier;
@@ -116,7 +132,7 @@ impl Default for Habit {
     /// The original's: extended Borchert-Honda with apical control 0.5, vigor multiplier 2, metamers of 0.02 m,
     /// lateral buds scattered within 45°, weights 1 (default), 0.1 (optimal) and 0 (its tropism is off), its
     /// shedding, no offspring, width exponent 2.5, tips of 0.5 mm. Ours: regrowth at cuts, no stature, all axes alike, no
-    /// sag.
+    /// sag, no dead wood.
     fn default() -> Self {
         Self {
             vigor_model: VigorModel::default(),
@@ -138,6 +154,7 @@ impl Default for Habit {
             stature: None,
             axes: Vec::new(),
             sag: None,
+            dead_wood: None,
         }
     }
 }
@@ -251,6 +268,12 @@ impl Habit {
         self
     }
 
+    /// Sets how dead trees stand and fall; `None`, the default, for trees that go away when they die.
+    pub fn with_dead_wood(mut self, dead: impl Into<Option<DeadWood>>) -> Self {
+        self.dead_wood = dead.into();
+        self
+    }
+
     /// Sets the architecture by branch order: that of the trunk first, then that of branches of order 1, and so on. The
     /// last holds for all higher orders. None by default: all axes are alike, with the habit's own parameters.
     ///
@@ -312,6 +335,7 @@ impl Habit {
         self.regrowth.map_or(Ok(()), Regrowth::check)?;
         self.stature.map_or(Ok(()), Stature::check)?;
         self.sag.map_or(Ok(()), Sag::check)?;
+        self.dead_wood.map_or(Ok(()), DeadWood::check)?;
         self.axes.iter().try_for_each(Axis::check)
     }
 

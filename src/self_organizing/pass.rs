@@ -63,7 +63,7 @@ impl<E: Environment> Forest<E> {
             let changes = {
                 let setting = settings(&self.environment, &self.room, habits, seed, season);
                 parallel::each_mut(&mut planned, |_, (tree, plan)| {
-                    (tree.habit, tree.carry_out(part, plan, &setting(tree)))
+                    (tree.class(), tree.carry_out(part, plan, &setting(tree)))
                 })
             };
             tell(&mut self.environment, &self.told, changes);
@@ -77,17 +77,17 @@ impl<E: Environment> Forest<E> {
         Ok(())
     }
 
-    /// Takes dead trees away and sows new ones where there is room for them. What that changes, by species.
-    fn bury_and_sow(&mut self) -> Vec<(u32, Change)> {
-        let mut changes: Vec<(u32, Change)> =
-            (0..self.habits.len() as u32).map(|habit| (habit, Change::default())).collect();
+    /// Takes away what is left of dead trees and sows new ones where there is room for them. What that changes, by class.
+    fn bury_and_sow(&mut self) -> Vec<(usize, Change)> {
+        let mut changes: Vec<(usize, Change)> =
+            (0..self.told.len()).map(|class| (class, Change::default())).collect();
         let (habits, season) = (&self.habits, self.season);
         self.trees.retain(|tree| {
-            let dead = tree.is_dead(&habits[tree.habit as usize], season);
-            if dead {
-                changes[tree.habit as usize].1.fallen.extend(tree.positions());
+            let gone = tree.is_gone(&habits[tree.habit as usize], season);
+            if gone {
+                changes[tree.class()].1.fallen.extend(tree.positions());
             }
-            !dead
+            !gone
         });
         for index in 0..self.trees.len() {
             let tree = &self.trees[index];
@@ -98,22 +98,26 @@ impl<E: Environment> Forest<E> {
                 let foot = self.room.grounded(foot);
                 if self.trees.len() < self.most_trees && self.next_tree < u32::MAX && self.has_room(foot) {
                     self.root(foot, habit, generation);
-                    changes[habit as usize].1.appeared.push(foot);
+                    changes[2 * habit as usize].1.appeared.push(foot);
                 }
             }
         }
         changes
     }
 
-    /// Makes sure that the environment knows how much shade each species casts. Its nodes are told anew if that has
-    /// changed.
+    /// Makes sure that the environment knows how much shade the living and the dead of each species cast. Their nodes are
+    /// told anew if that has changed.
     pub(super) fn tell_shades(&mut self) {
-        for (habit, data) in self.habits.iter().enumerate() {
-            let shade = self.environment.shade_of(data);
-            match self.told.get_mut(habit) {
+        let environment = &self.environment;
+        let shades = self.habits.iter().flat_map(|habit| {
+            let living = environment.shade_of(habit);
+            [living, living * habit.dead_wood.map_or(1.0, |dead| dead.shade)]
+        });
+        for (class, shade) in shades.collect::<Vec<f32>>().into_iter().enumerate() {
+            match self.told.get_mut(class) {
                 None => self.told.push(shade),
                 Some(told) if told.to_bits() != shade.to_bits() => {
-                    let of_it = self.trees.iter().filter(|tree| tree.habit() == habit);
+                    let of_it = self.trees.iter().filter(|tree| tree.class() == class);
                     let nodes: Vec<_> = of_it.flat_map(Tree::positions).collect();
                     self.environment.update_shaded(*told, &[], &nodes);
                     self.environment.update_shaded(shade, &nodes, &[]);
@@ -136,9 +140,9 @@ fn settings<'a, E>(
     move |tree| Setting { environment, room, habit: &habits[tree.habit as usize], seed, season }
 }
 
-/// Tells the environment, species by species and of so many nodes at once that the lists take little memory.
-pub(super) fn tell(environment: &mut impl Environment, told: &[f32], mut changes: Vec<(u32, Change)>) {
-    for (habit, &shade) in told.iter().enumerate() {
+/// Tells the environment, class by class and of so many nodes at once that the lists take little memory.
+pub(super) fn tell(environment: &mut impl Environment, told: &[f32], mut changes: Vec<(usize, Change)>) {
+    for (class, &shade) in told.iter().enumerate() {
         let mut now = Change::default();
         let mut update = |now: &mut Change, least: usize| {
             if now.appeared.len() + now.fallen.len() >= least {
@@ -147,17 +151,22 @@ pub(super) fn tell(environment: &mut impl Environment, told: &[f32], mut changes
                 now.fallen.clear();
             }
         };
-        for (_, change) in changes.iter_mut().filter(|(of, _)| *of as usize == habit) {
+        for (_, change) in changes.iter_mut().filter(|(of, _)| *of == class) {
             now.appeared.extend(std::mem::take(&mut change.appeared));
             now.fallen.extend(std::mem::take(&mut change.fallen));
             update(&mut now, TOLD);
         }
         update(&mut now, 1);
         // What has moved may have appeared in this very turn, so the environment knows of it by now.
-        for (_, change) in changes.iter_mut().filter(|(of, _)| *of as usize == habit) {
+        for (_, change) in changes.iter_mut().filter(|(of, _)| *of == class) {
             let (from, to): (Vec<_>, Vec<_>) = std::mem::take(&mut change.moved).into_iter().unzip();
             if !from.is_empty() {
                 environment.update_moved(shade, &from, &to);
+            }
+            // Classes come in pairs, the dead of a species after its living.
+            if !change.died.is_empty() {
+                environment.update_shaded(shade, &[], &change.died);
+                environment.update_shaded(told[class + 1], &change.died, &[]);
             }
         }
     }

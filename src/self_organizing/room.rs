@@ -23,7 +23,7 @@ pub(super) struct Room {
 pub(super) struct Marks {
     envelopes: Vec<u64>,
     obstacles: Vec<u64>,
-    terrain: Option<u64>,
+    pub(super) terrain: Option<u64>,
 }
 
 impl std::fmt::Debug for Room {

@@ -85,6 +85,7 @@ impl<E: Environment> TryFrom<Saved<E>> for Forest<E> {
             told: Vec::new(),
         };
         forest.check()?;
+        let on_terrain = wanted.terrain.is_some();
         forest.room.wanted = wanted;
         // In mid-season the trees of the turns that are over are in the next one already.
         let now = season + u16::from(turn > 0);
@@ -99,15 +100,19 @@ impl<E: Environment> TryFrom<Saved<E>> for Forest<E> {
             ParameterError::unless(born <= most, "born", born, "at most the season")?;
             let bare = tree.bare_since;
             ParameterError::unless(bare <= most, "bare_since", bare, "at most the season")?;
-            let outside = tree.positions().find(|&node| !forest.environment.contains(node));
+            let died = tree.died.unwrap_or_default();
+            ParameterError::unless(died <= most, "died", died, "at most the season")?;
+            // Where there was a terrain the bottom of a box was not the ground.
+            let is_outside = |&node: &Vec3| !on_terrain && !forest.environment.contains(node);
+            let outside = tree.positions().find(is_outside);
             ParameterError::unless(outside.is_none(), "position", outside, "inside of the environment")?;
             last = Some(number);
         }
         forest.tell_shades();
-        for habit in 0..forest.habits.len() {
-            let of_it = forest.trees.iter().filter(|tree| tree.habit() == habit);
+        for (class, &shade) in forest.told.iter().enumerate() {
+            let of_it = forest.trees.iter().filter(|tree| tree.class() == class);
             let standing: Vec<Vec3> = of_it.flat_map(Tree::positions).collect();
-            forest.environment.update_shaded(forest.told[habit], &standing, &[]);
+            forest.environment.update_shaded(shade, &standing, &[]);
         }
         Ok(forest)
     }
@@ -127,13 +132,17 @@ pub(super) struct SavedTree {
     pub(super) bare_since: Option<u16>,
     #[serde(default)]
     pub(super) releases: Vec<Release>,
+    /// Files from before there was dead wood, and living trees, do not have it.
+    #[serde(default)]
+    pub(super) died: Option<u16>,
 }
 
 impl TryFrom<SavedTree> for Tree {
     type Error = ParameterError;
 
     fn try_from(saved: SavedTree) -> Result<Self, ParameterError> {
-        let SavedTree { nodes, number, habit, generation, next_number, vigor, bare_since, releases } = saved;
+        let SavedTree { nodes, number, habit, generation, next_number, vigor, bare_since, releases, died } =
+            saved;
         ParameterError::unless(!nodes.is_empty(), "nodes", 0, "at least 1")?;
         let mut borne = 0;
         for (i, node) in nodes.iter().enumerate() {
@@ -174,8 +183,14 @@ impl TryFrom<SavedTree> for Tree {
             ParameterError::unless(since < u16::MAX, "releases", since, "a season below 65535")?;
             ParameterError::unless((0.0..=1e3).contains(&vigor), "releases", vigor, "a vigor in [0, 1000]")?;
         }
+        let lives = vigor > 0.0 || !releases.is_empty() || nodes.iter().any(Node::has_buds);
+        let dead_since =
+            died.filter(|&died| lives || died < nodes.iter().map(|node| node.born).fold(0, u16::max));
+        let range = "not before its youngest node, without vigor or buds";
+        ParameterError::unless(dead_since.is_none(), "died", dead_since, range)?;
         let bare_since = bare_since.unwrap_or(nodes[0].born);
-        let mut tree = Self { nodes, number, habit, generation, next_number, vigor, bare_since, releases };
+        let mut tree =
+            Self { nodes, number, habit, generation, next_number, vigor, bare_since, releases, died };
         tree.number_orders();
         Ok(tree)
     }

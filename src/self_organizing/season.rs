@@ -3,7 +3,7 @@
 use super::environment::{Bud, Environment};
 use super::habit::Habit;
 use super::room::Room;
-use super::tree::{BUD, DORMANT, FLOWER, Node, Site, Tree, is_node};
+use super::tree::{BUD, DEAD, DORMANT, FLOWER, Node, Site, Tree, is_node};
 use super::vigor::Supply;
 use crate::math;
 use glam::Vec3;
@@ -31,6 +31,8 @@ pub(super) struct Plan {
     /// The lowest nodes of what will be shed, ascending.
     shed: Vec<u32>,
     vigor: f32,
+    /// Whether the tree dies on its feet.
+    dies: bool,
     /// The moments of what stands before shoots grow, if it sags.
     moments: Vec<Vec3>,
     /// Metamers that will appear, unless there is no room for them.
@@ -61,6 +63,8 @@ pub(super) struct Change {
     pub(super) fallen: Vec<Vec3>,
     /// From where to where nodes have moved, those that have appeared included.
     pub(super) moved: Vec<(Vec3, Vec3)>,
+    /// What stood before and is dead wood from now on.
+    pub(super) died: Vec<Vec3>,
 }
 
 impl Tree {
@@ -82,6 +86,9 @@ impl Tree {
     /// Steps 1, 2 and 4 as decisions; `first` is the index of the tree's first bud in the environment's list.
     pub(super) fn plan<E: Environment>(&self, setting: &Setting<'_, E>, first: u32, parts: u32) -> Plan {
         let &Setting { environment, habit, seed, season, .. } = setting;
+        if let Some(died) = self.died {
+            return Plan { shed: self.break_down(habit, died, season), ..Plan::default() };
+        }
         let mut supply = Supply::default();
         let firsts = if environment.surveys() { self.first_buds(first) } else { Vec::new() };
         let index = |node: usize, side: usize| {
@@ -121,6 +128,9 @@ impl Tree {
             self.pay(habit.vigor_multiplier * light * strength, &mut supply.vigor);
         }
         self.shed(habit, season, &supply.vigor, &mut plan.shed);
+        if habit.dead_wood.is_some() && plan.shed.first() == Some(&1) {
+            return Plan { dies: true, ..Plan::default() };
+        }
         plan
     }
 
@@ -274,17 +284,23 @@ impl Tree {
         setting: &Setting<'_, E>,
     ) -> Change {
         let mut change = Change::default();
+        // Dead wood is stiff.
+        let sag = setting.habit.sag.filter(|_| self.died.is_none() && !plan.dies);
         if part.index == 0 {
             self.vigor = plan.vigor;
+            if plan.dies {
+                change.died = self.die(setting.season);
+            }
             let grace = setting.habit.shedding.map_or(1, |shedding| shedding.grace);
             self.releases.retain(|release| setting.season.saturating_sub(release.since) <= grace);
-            if let Some(places) = self.fell(&plan.shed, DORMANT, &mut change.fallen) {
+            let stump = if self.died.is_some() { DEAD } else { DORMANT };
+            if let Some(places) = self.fell(&plan.shed, stump, &mut change.fallen) {
                 plan.shoots.retain_mut(|shoot| {
                     shoot.node = places[shoot.node as usize];
                     shoot.node != FALLS
                 });
             }
-            if let Some(sag) = setting.habit.sag {
+            if let Some(sag) = sag {
                 plan.moments = self.moments(setting.habit, sag);
             }
             // A tree takes no more memory than it needs, and no more than it has where there may not be room for it
@@ -298,7 +314,7 @@ impl Tree {
         if part.index + 1 == part.of {
             plan.shoots = Vec::new();
             self.count();
-            if let Some(sag) = setting.habit.sag {
+            if let Some(sag) = sag {
                 change.moved = self.sag(&std::mem::take(&mut plan.moments), sag, setting);
             }
         }
@@ -372,9 +388,9 @@ impl Tree {
         if node == 0 { of(main) } else { of(main).saturating_add(of(lateral)) }
     }
 
-    /// Whether it has given up: its trunk was shed, or it has starved without metamers beyond the period of grace. A
-    /// seed that has vigor but no room waits.
-    pub(super) fn is_dead(&self, habit: &Habit, season: u16) -> bool {
+    /// Whether nothing is left of it: its trunk was shed or has broken, or it has starved without metamers beyond the
+    /// period of grace. A seed that has vigor but no room waits.
+    pub(super) fn is_gone(&self, habit: &Habit, season: u16) -> bool {
         let grace = habit.shedding.map_or(u16::MAX, |shedding| shedding.grace);
         match self.nodes[0].children[0] {
             BUD => self.vigor < 1.0 && season.saturating_sub(self.bare_since) > grace,

@@ -84,6 +84,9 @@ pub struct Tree {
     pub(super) bare_since: u16,
     /// Buds that a cut has woken, to sprout in the tree's next season.
     pub(super) releases: Vec<Release>,
+    /// The season in which it died, if it is a snag.
+    #[cfg_attr(feature = "serde", serde(skip_serializing_if = "Option::is_none"))]
+    pub(super) died: Option<u16>,
 }
 
 impl Tree {
@@ -110,6 +113,7 @@ impl Tree {
             vigor: 0.0,
             bare_since,
             releases,
+            died: None,
         }
     }
 
@@ -170,7 +174,8 @@ impl Tree {
     }
 
     /// Whether the metamer below each node bears leaves, by the text's rule: it begins at least `least_hops` nodes
-    /// from the foot, and no branch that goes on from there carries `most_children` buds or more. The foot bears none.
+    /// from the foot, and no branch that goes on from there carries `most_children` buds or more. The foot bears none, and
+    /// neither does a dead tree.
     pub fn leafy(&self, most_children: u32, least_hops: u32) -> Vec<bool> {
         let (mut hops, mut dominant) = (vec![0; self.nodes.len()], vec![0; self.nodes.len()]);
         for (node, data) in self.nodes.iter().enumerate().skip(1) {
@@ -180,7 +185,7 @@ impl Tree {
         }
         let bears = |node: &Node| {
             let parent = node.parent as usize;
-            hops[parent] >= least_hops && dominant[parent] < most_children
+            self.died.is_none() && hops[parent] >= least_hops && dominant[parent] < most_children
         };
         let above = self.nodes.iter().skip(1).map(bears);
         std::iter::once(false).chain(above).collect()
@@ -258,6 +263,12 @@ impl Tree {
 }
 
 impl Node {
+    /// Whether a bud of it lives or sleeps.
+    #[cfg(feature = "serde")]
+    pub(super) fn has_buds(&self) -> bool {
+        self.children.iter().any(|&child| matches!(child, BUD | DORMANT))
+    }
+
     /// The order of the main (0) or lateral (1) child or bud. Where a shoot has ended in a flower, the lateral takes
     /// over the axis.
     pub(super) fn order_of(&self, side: usize) -> u8 {

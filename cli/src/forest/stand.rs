@@ -94,11 +94,13 @@ impl Options {
         }
         outputs.finish()?;
         let milliseconds = bar.finish();
+        let dead = forest.trees().iter().filter(|tree| tree.died().is_some()).count();
         let value = json!({
             "name": stand.name,
             "seed": seed,
             "seasons": forest.season(),
             "trees": forest.trees().len(),
+            "dead": dead,
             "metamers": forest.metamers(),
             "files": files,
             "milliseconds": milliseconds,

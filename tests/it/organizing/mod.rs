@@ -3,8 +3,10 @@
 mod axes;
 #[cfg(feature = "json")]
 mod compact;
+mod dead;
 mod garden;
 mod growth;
+mod landscape;
 mod lapse;
 mod light;
 mod parts;
@@ -16,6 +18,7 @@ mod space;
 mod stands;
 mod sun;
 mod tended;
+mod thinning;
 
 use crate::sample::fnv1a;
 use treesynth::self_organizing::{Environment, Forest};

@@ -209,8 +209,10 @@ const PINNED: &[(&str, u64)] = &[
     ("stand-slope", 0xec8e_04f0_f4bb_a2d9),
     ("stand-sun", 0x2764_026e_1891_0e74),
     ("stand-hedge", 0x9f03_531e_7702_6dcb),
+    ("stand-peacock", 0xdb8a_1f56_10f7_ccf4),
     ("stand-pollard", 0x5790_219a_019d_872a),
     ("stand-wall", 0x983e_2479_2987_926f),
     ("stand-shyness", 0x0ed9_4b9a_3356_91aa),
+    ("stand-thinning", 0x9aed_8eeb_c8fc_f433),
     ("stand-generations", 0x5409_3c58_f5fc_cce3),
 ];

@@ -2,8 +2,8 @@
 
 use super::forest_hash;
 use treesynth::glam::Vec3;
-use treesynth::self_organizing::{Forest, ShadowPropagation, SpaceColonization, Tree};
-use treesynth::shape::{Brush, HalfEllipsoid};
+use treesynth::self_organizing::{Forest, Habit, ShadowPropagation, SpaceColonization, Tree};
+use treesynth::shape::{Brush, Cuboid, HalfEllipsoid};
 use treesynth::{Bounds, Shape, presets};
 
 fn tended(name: &str, seed: u64) -> Forest {
@@ -38,6 +38,62 @@ fn a_hedge_keeps_all_its_trees() {
                     "seed {seed}: {at}"
                 );
             }
+        }
+    }
+}
+
+/// In the default habit too all 20 live, 15 cm apart under light from the sides, and as the default light has it with ten
+/// metamers between them.
+#[test]
+fn a_hedge_of_the_default_habit_lives() {
+    let sides = || ShadowPropagation::default().with_height(1);
+    for (light, spacing) in [(sides(), 0.1), (sides(), 0.15), (ShadowPropagation::default(), 0.2)] {
+        for seed in 1..=6 {
+            let mut hedge = Forest::new(light.clone(), Habit::default(), seed);
+            for i in 0..20u8 {
+                hedge.plant(Vec3::X * (spacing * (f32::from(i) - 9.5))).unwrap();
+            }
+            let half = Vec3::new(10.0 * spacing, 0.3, 0.12);
+            let shape = Cuboid::new(half.with_y(0.1) * -1.0, half);
+            for _ in 0..30 {
+                hedge.step().unwrap();
+                hedge.prune(&shape).unwrap();
+            }
+            let alive = hedge.trees().iter().filter(|tree| tree.metamers() > 10).count();
+            assert_eq!(alive, 20, "seed {seed}, {spacing} m apart");
+        }
+    }
+}
+
+/// Each year from its twelfth on the bird is clipped to its shape, all of it is filled, and each side of its outline is
+/// there: from the left it covers its silhouette and nothing else.
+#[test]
+fn a_peacock_keeps_its_shape() {
+    for seed in 1..=3 {
+        let stand = presets::by_name("stand-peacock").unwrap().stand().unwrap();
+        let mut forest = stand.plant(seed).unwrap();
+        for season in 1..=stand.seasons {
+            forest.step().unwrap();
+            let grown = forest.metamers();
+            stand.tend(&mut forest).unwrap();
+            if season < 16 {
+                continue;
+            }
+            assert!(forest.metamers() < grown, "there was something to clip");
+            let nodes: Vec<Vec3> = forest.trees().iter().flat_map(Tree::positions).collect();
+            let inside = nodes.iter().filter(|&&node| presets::Peacock.contains(node)).count();
+            assert!(inside * 100 >= nodes.len() * 95, "seed {seed}: {inside} of {}", nodes.len());
+            let bounds = presets::Peacock.bounds();
+            let (mut all, mut filled) = (0, 0);
+            for i in 0..22 * 18 * 11 {
+                let place = Vec3::new((i % 22) as f32, (i / 22 % 18) as f32, (i / (22 * 18)) as f32) * 0.15;
+                let place = bounds.min + place;
+                if place.y > 0.0 && presets::Peacock.contains(place) {
+                    all += 1;
+                    filled += u32::from(nodes.iter().any(|node| node.distance(place) < 0.15));
+                }
+            }
+            assert!(all > 500 && filled * 100 >= all * 95, "seed {seed}, {season}: {filled} of {all}");
         }
     }
 }
