@@ -26,7 +26,7 @@ impl Purpose {
     /// Directions of lateral buds.
     pub const LATERAL: Self = Self(6);
     /// Laterals that are drawn where a graph has no room for them.
-    pub const COMPLETION: Self = Self(10);
+    pub const COMPLETION: Self = Self(11);
     /// Seeds of trees: their number and where they fall.
     pub const SEEDS: Self = Self(7);
     /// Trees of a landscape: where in their cells they stand, and of which species they are.
