@@ -144,7 +144,7 @@ fn trees_whose_crowns_touch_come_back_one_by_one() {
             assert!(far(own) < 0.05, "{part}: root {}", own.skeleton.positions()[0]);
             let dbh = diameter_at(&own.skeleton, 1.3).unwrap_or(0.0);
             assert!((dbh - wanted).abs() < 0.01, "{part}: {dbh} {wanted}");
-            let is_own = |(owner, &of): &(&Option<u32>, &u32)| of == part && **owner == Some(tree as u32);
+            let is_own = |&(&owner, &of): &(&Option<u32>, &u32)| of == part && owner == Some(tree as u32);
             right += found.owners.iter().zip(&parts).filter(is_own).count();
         }
         let all = parts.iter().filter(|&&part| part != Truth::GROUND).count();
