@@ -67,68 +67,44 @@ fn surface(mut lowest: BTreeMap<Cell, f32>) -> BTreeMap<Cell, f32> {
     lowest
 }
 
-/// The points that are not ground, and whether there is any. O(n log n).
-pub(super) fn without_ground(points: &[Vec3]) -> (Vec<u32>, bool) {
-    let lowest = lowest(points);
-    let surface = surface(lowest.clone());
-    // Beside cells that are ground too: twigs that hang low are alone.
-    let is_low = |at: &Cell| {
-        lowest.get(at).zip(surface.get(at)).is_some_and(|(low, ground)| low - ground < 0.5 * THICK)
-    };
-    let beside = |at: Cell| {
-        let around = [(-1, 0), (1, 0), (0, -1), (0, 1)];
-        around.iter().filter(|by| is_low(&(at.0 + by.0, at.1 + by.1))).count() >= 2
-    };
-    let cells = lowest.keys().filter(|at| is_low(at) && beside(**at)).count();
-    let all = || (0..points.len() as u32).collect();
-    if cells < CELLS {
-        return (all(), false);
-    }
-    let above = |point: &&u32| {
-        let point = points[**point as usize];
-        surface.get(&cell(point)).is_none_or(|ground| point.y - ground > THICK)
-    };
-    let which: Vec<u32> = all();
-    (which.iter().filter(above).copied().collect(), true)
+/// The ground below a cloud, if there is any, and the points above it.
+pub(super) struct Ground {
+    /// The numbers of the points that are not ground, ascending.
+    pub(super) above: Vec<u32>,
+    /// Its height in each cell; none without ground.
+    surface: BTreeMap<Cell, f32>,
 }
 
-/// A trunk in a slice of a cloud.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Trunk {
-    /// The middle of its lowest nodes.
-    pub(super) base: Vec3,
-    /// Nodes of the slice.
-    pub(super) nodes: usize,
-}
-
-/// The things that stand in the slice of nodes from `low` up to `high`, the one of most nodes first.
-pub(super) fn trunks(positions: &[Vec3], low: f32, high: f32) -> Vec<Trunk> {
-    const SIDE: f32 = 0.1;
-    let mut cells: BTreeMap<Cell, Vec<u32>> = BTreeMap::new();
-    for (node, position) in (0_u32..).zip(positions).filter(|(_, p)| p.y >= low && p.y <= high) {
-        let at = ((position.x / SIDE).floor() as i32, (position.z / SIDE).floor() as i32);
-        cells.entry(at).or_default().push(node);
+impl Ground {
+    /// All points are above the ground.
+    pub(super) fn none(points: &[Vec3]) -> Self {
+        Self { above: (0..points.len() as u32).collect(), surface: BTreeMap::new() }
     }
-    let mut found = Vec::new();
-    while let Some((first, nodes)) = cells.pop_first() {
-        let (mut all, mut stack) = (nodes, vec![first]);
-        while let Some((x, z)) = stack.pop() {
-            for beside in (-1..=1).flat_map(|dx| (-1..=1).map(move |dz| (x + dx, z + dz))) {
-                if let Some(nodes) = cells.remove(&beside) {
-                    all.extend(nodes);
-                    stack.push(beside);
-                }
-            }
+
+    /// Finds the points that are ground. O(n log n).
+    pub(super) fn found(points: &[Vec3]) -> Self {
+        let lowest = lowest(points);
+        let surface = surface(lowest.clone());
+        // Beside cells that are ground too: twigs that hang low are alone.
+        let is_low = |at: &Cell| {
+            lowest.get(at).zip(surface.get(at)).is_some_and(|(low, ground)| low - ground < 0.5 * THICK)
+        };
+        let beside = |at: Cell| {
+            let around = [(-1, 0), (1, 0), (0, -1), (0, 1)];
+            around.iter().filter(|by| is_low(&(at.0 + by.0, at.1 + by.1))).count() >= 2
+        };
+        let cells = lowest.keys().filter(|at| is_low(at) && beside(**at)).count();
+        if cells < CELLS {
+            return Self::none(points);
         }
-        let lowest = all.iter().map(|&node| positions[node as usize].y).fold(f32::INFINITY, f32::min);
-        let at_base: Vec<Vec3> = all
-            .iter()
-            .map(|&node| positions[node as usize])
-            .filter(|p| p.y <= lowest + 0.5 * (high - low))
-            .collect();
-        let middle = at_base.iter().sum::<Vec3>() / at_base.len() as f32;
-        found.push(Trunk { base: middle.with_y(lowest), nodes: all.len() });
+        let mut ground = Self { above: Vec::new(), surface };
+        let is_above = |point: &u32| ground.below(points[*point as usize]).is_none_or(|far| far > THICK);
+        ground.above = (0..points.len() as u32).filter(is_above).collect();
+        ground
     }
-    found.sort_by_key(|trunk| std::cmp::Reverse(trunk.nodes));
-    found
+
+    /// How far the ground is below a place, metres; `None` where there is none.
+    pub(super) fn below(&self, place: Vec3) -> Option<f32> {
+        self.surface.get(&cell(place)).map(|ground| place.y - ground)
+    }
 }

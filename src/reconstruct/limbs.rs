@@ -17,12 +17,12 @@ pub(super) struct Ring {
     pub(super) spread: f32,
 }
 
-/// The rings of the nodes that paths lead to, parents first. The first is the base, without nodes.
+/// The rings of the nodes that paths lead to, parents first. The first are the bases, without nodes.
 pub(super) fn rings(
     nodes: &Nodes,
     search: &Search<'_>,
     edges: &[(u32, u32)],
-    base: Vec3,
+    bases: &[Vec3],
     step: f32,
 ) -> Vec<Ring> {
     let count = nodes.len();
@@ -36,9 +36,9 @@ pub(super) fn rings(
             sets.join(a, b);
         }
     }
-    let root = count as u32;
+    let is_node = |node: &u32| (*node as usize) < count;
     for node in 0..count as u32 {
-        if let Some(parent) = search.parent(node).filter(|&parent| parent != root)
+        if let Some(parent) = search.parent(node).filter(is_node)
             && same(node, parent)
         {
             sets.join(node, parent);
@@ -51,8 +51,11 @@ pub(super) fn rings(
         .map(|node| (bins[node as usize], sets.of(node), node))
         .collect();
     parts.sort_unstable();
-    let mut rings = vec![Ring { parent: None, nodes: Vec::new(), center: base, spread: 0.0 }];
+    let of_base = |&center: &Vec3| Ring { parent: None, nodes: Vec::new(), center, spread: 0.0 };
+    let mut rings: Vec<Ring> = bases.iter().map(of_base).collect();
+    // Roots follow the nodes.
     let mut ring_of = vec![0_u32; count];
+    ring_of.extend(0..bases.len() as u32);
     for bin in parts.chunk_by(|a, b| a.0 == b.0) {
         let mut found: Vec<(u32, Vec<u32>)> = Vec::new();
         for part in bin.chunk_by(|a, b| a.1 == b.1) {
@@ -61,7 +64,7 @@ pub(super) fn rings(
                 .iter()
                 .copied()
                 .min_by(|&a, &b| search.path_length(a).total_cmp(&search.path_length(b)).then(a.cmp(&b)));
-            let before = first.and_then(|first| search.parent(first)).filter(|&before| before != root);
+            let before = first.and_then(|first| search.parent(first));
             found.push((before.map_or(0, |before| ring_of[before as usize]), members));
         }
         found.sort_by_key(|part| part.0);

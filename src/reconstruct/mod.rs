@@ -1,21 +1,27 @@
 //! From points to a tree: the skeleton of a scanned tree, and its radii.
 
+mod base;
+mod contacts;
 mod fit;
 mod ground;
 mod limbs;
 mod net;
 mod nodes;
+mod orders;
 mod radii;
+mod stand;
 #[cfg(test)]
 mod tests;
 
 use glam::{DVec3, Vec3};
 
 use self::fit::Cylinder;
+use self::ground::Ground;
 use self::limbs::Ring;
 use self::nodes::Nodes;
+pub use self::stand::ReconstructedStand;
 use crate::cloud::Cloud;
-use crate::guided::{Graph, GraphError, Search, SearchError};
+use crate::guided::{GraphError, Search, SearchError};
 use crate::{ParameterError, Silent, Skeleton, SkeletonError};
 
 /// Makes a skeleton of the points of one tree.
@@ -27,9 +33,14 @@ use crate::{ParameterError, Silent, Skeleton, SkeletonError};
 ///    far and the principal direction of the nodes around, so that paths stay in their limb and cross gaps straight on.
 /// 4. Nodes at one distance along their paths that hang together are a ring; its middle is a node of the skeleton, after Verroust and
 ///    Lazarus 2000, "Extracting skeletal curves from 3D scattered data". Rings that go nowhere are left out.
+///    Where two paths meet within a limb, one of them has come in from another limb that touches it; the limb is hung at its thicker
+///    end.
 /// 5. Cylinders are fitted robustly to the points of neighbouring rings; they put axes into the middle of
 ///    limbs and give radii. Where points are few, radii follow from the length of wood borne, by a relation
 ///    fitted to this tree's measured limbs. No radius grows towards the tips.
+///
+/// One cloud, one tree; [`reconstruct_stand`](Self::reconstruct_stand) makes one of each trunk. Told the
+/// [base](Self::with_base) of one of two trees that touch, `reconstruct` makes one tree of both.
 ///
 /// Clouds with leaves make trees of nonsense where leaves hide the wood: set leaves aside before. The same
 /// cloud gives the same bits at any number of threads. O(n log n) for n points; about 100 bytes per point and
@@ -70,7 +81,8 @@ impl Default for Reconstruct {
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
 pub struct Reconstruction {
-    /// The tree, where the cloud's points are. Its root is the base of the trunk.
+    /// The tree, where the cloud's points are. Its root is the base of the trunk: on the ground, if ground was found, or the base
+    /// that was given. Branch [orders](Skeleton::orders) follow the limb that goes on straightest at each fork.
     pub skeleton: Skeleton,
     /// The offset that was subtracted from the coordinates in the cloud's file.
     pub offset: DVec3,
@@ -115,7 +127,7 @@ pub enum ReconstructError {
     },
     /// No trunk, or several, where the cloud is lowest.
     #[error(
-        "where the cloud is lowest, up to {high} m, {trunks} things stand apart, the largest at {first} and {second}, but there must be one trunk; cut the cloud, or choose the trunk by Reconstruct::with_base"
+        "where the cloud is lowest, up to {high} m, {trunks} things stand apart, the largest at {first} and {second}, but there must be one trunk; cut the cloud, choose the trunk by Reconstruct::with_base, or make all trees by Reconstruct::reconstruct_stand"
     )]
     Trunks {
         /// The upper end of what was looked at, metres.
@@ -149,6 +161,25 @@ pub enum ReconstructError {
     /// The result is not a valid skeleton.
     #[error(transparent)]
     Skeleton(#[from] SkeletonError),
+}
+
+/// Where a tree begins.
+#[derive(Debug, Clone, Copy)]
+struct Start {
+    /// The middle of the lowest points of its trunk.
+    base: Vec3,
+    /// The place on the ground below, which is the root of the skeleton.
+    foot: Vec3,
+    /// Whether the base was looked for, not given.
+    is_found: bool,
+}
+
+impl Start {
+    fn found(base: Vec3, ground: &Ground) -> Self {
+        // Points near the ground are set aside with it.
+        let far = ground.below(base).filter(|far| (0.0..1.0).contains(far)).unwrap_or(0.0);
+        Self { base, foot: base - Vec3::Y * far, is_found: true }
+    }
 }
 
 /// Nodes at most; the side of cubes grows until they are so few.
@@ -209,21 +240,33 @@ impl Reconstruct {
     /// The tree of a cloud.
     ///
     /// # Errors
-    /// Options out of range; too few points or too many; no trunk, or several, where the cloud is lowest.
+    /// Options out of range; too few points or too many; no trunk, or several, where the cloud is lowest:
+    /// [`reconstruct_stand`](Self::reconstruct_stand) is for those.
     pub fn reconstruct(&self, cloud: &Cloud) -> Result<Reconstruction, ReconstructError> {
-        self.check()?;
-        let points = cloud.points();
-        if points.len() > self.most_points {
-            return Err(ReconstructError::TooMany { points: points.len(), most: self.most_points });
-        }
-        let (which, _) = if self.has_ground {
-            ground::without_ground(points)
-        } else {
-            ((0..points.len() as u32).collect(), false)
+        let wood = self.wood(cloud)?;
+        let nodes = self.nodes(cloud.points(), &wood.above, MOST_NODES)?;
+        let edges = net::edges(&nodes);
+        let start = match self.base {
+            Some(base) => Start { base: self.checked_base(&nodes, base)?, foot: base, is_found: false },
+            None => Start::found(base::lowest_trunk(&nodes, &edges)?, &wood),
         };
-        let height = height(points, &which);
+        self.tree(cloud, &nodes, &edges, start, cloud.len() - wood.above.len())
+    }
+
+    /// The points that are not ground.
+    fn wood(&self, cloud: &Cloud) -> Result<Ground, ReconstructError> {
+        self.check()?;
+        if cloud.len() > self.most_points {
+            return Err(ReconstructError::TooMany { points: cloud.len(), most: self.most_points });
+        }
+        Ok(if self.has_ground { Ground::found(cloud.points()) } else { Ground::none(cloud.points()) })
+    }
+
+    /// The nodes of some points, with their neighbours.
+    fn nodes(&self, points: &[Vec3], which: &[u32], most: usize) -> Result<Nodes, ReconstructError> {
+        let height = height(points, which);
         let side = self.side.unwrap_or((height / 1000.0).clamp(0.002, 0.05));
-        let mut nodes = Nodes::new(points, &which, side, MOST_NODES);
+        let mut nodes = Nodes::new(points, which, side, most);
         if nodes.len() < 10 {
             return Err(ReconstructError::TooFew { points: which.len(), nodes: nodes.len() });
         }
@@ -231,37 +274,37 @@ impl Reconstruct {
         // Cubes smaller than the way from point to point hold no surface together.
         let wide = nodes.spacing() / 1.2;
         if self.side.is_none() && wide > 1.25 * nodes.side {
-            nodes = Nodes::new(points, &which, wide.min(0.02 * height), MOST_NODES);
+            nodes = Nodes::new(points, which, wide.min(0.02 * height), most);
             nodes.survey();
         }
-        let edges = net::edges(&nodes);
-        let base = self.find_base(&nodes, &edges)?;
-        let bridges = net::bridges(&nodes, &edges, self.gap);
-        let graph = graph(&nodes, &edges, &bridges, base)?;
-        let mut search = Search::new(&graph);
-        let rule = net::Along { along: &nodes.along };
-        let weight = net::Dear { gap: 3.0 * nodes.side };
-        search.explore(&rule, &weight, 0, &Silent)?;
-        let step = 3.0 * nodes.side;
-        let rings = limbs::rings(&nodes, &search, &edges, base, step);
-        drop(search);
-        self.tree(cloud, &nodes, rings, points.len() - which.len(), step)
+        Ok(nodes)
     }
 
-    /// Rings to nodes of a skeleton.
+    /// The tree that begins at a place.
     fn tree(
         &self,
         cloud: &Cloud,
         nodes: &Nodes,
-        rings: Vec<Ring>,
+        edges: &[(u32, u32)],
+        start: Start,
         ground: usize,
-        step: f32,
     ) -> Result<Reconstruction, ReconstructError> {
-        let points = cloud.points();
+        let bridges = net::bridges(nodes, edges, self.gap, &[]);
+        let graph = net::graph(nodes, edges, &bridges, &[start.base])?;
+        let mut search = Search::new(&graph);
+        let rule = net::Along { along: &nodes.along, memory: 0.08 };
+        let weight = net::Dear { gap: 3.0 * nodes.side, turn: 0.5 };
+        search.explore(&rule, &weight, 0, &Silent)?;
+        let step = 3.0 * nodes.side;
+        let rings = limbs::rings(nodes, &search, edges, &[start.foot], step);
+        drop(search);
+        let rings = contacts::mended(rings, edges, nodes.len());
         let rings = pruned(rings, step);
         let heir = heirs(&rings);
-        let fits = radii::fits(points, nodes, &rings, &heir, step);
-        self.check_base(&rings, &heir, &fits)?;
+        let fits = radii::fits(cloud.points(), nodes, &rings, &heir, step);
+        if start.is_found {
+            check_base(&rings, &heir, &fits)?;
+        }
         let mut positions = Vec::with_capacity(rings.len());
         for (ring, fit) in rings.iter().zip(&fits) {
             let center = fit.map_or(ring.center, |fit| {
@@ -281,6 +324,11 @@ impl Reconstruct {
                 })
             })
             .collect();
+        // Where axes go on depends on thickness, and thickness is carried along axes.
+        let radii = radii::radii(&skeleton, &measured, self.tip);
+        let skeleton = skeleton.with_radii(radii)?;
+        let orders = orders::orders(&skeleton);
+        let skeleton = skeleton.with_orders(orders)?;
         let radii = radii::radii(&skeleton, &measured, self.tip);
         let used: usize =
             rings.iter().flat_map(|ring| &ring.nodes).map(|&node| nodes.of(node as usize).len()).sum();
@@ -289,72 +337,43 @@ impl Reconstruct {
             offset: cloud.offset(),
             is_measured: measured.iter().map(Option::is_some).collect(),
             ground,
-            left_out: points.len() - ground - used,
+            left_out: nodes.points.len() - used,
             side: nodes.side,
         })
     }
 
-    /// Checks that the limb at a base that was found is about as thick as any other limb.
-    fn check_base(
-        &self,
-        rings: &[Ring],
-        heir: &[Option<u32>],
-        fits: &[Option<Cylinder>],
-    ) -> Result<(), ReconstructError> {
-        let mut radii: Vec<f32> = fits.iter().flatten().map(|fit| fit.radius).collect();
-        radii.sort_unstable_by(|a, b| b.total_cmp(a));
-        let mut at_base = None;
-        let mut ring = 0_usize;
-        for _ in 0..20 {
-            at_base = at_base.max(fits[ring].map(|fit| fit.radius.to_bits()));
-            let Some(next) = heir[ring] else { break };
-            ring = next as usize;
-        }
-        // Bits of positive numbers are in their order.
-        let (Some(radius), Some(&thickest)) = (at_base.map(f32::from_bits), radii.get(9)) else {
-            return Ok(());
-        };
-        if self.base.is_some() || thickest <= 3.0 * radius {
-            return Ok(());
-        }
-        Err(ReconstructError::ThinBase { base: rings[0].center, radius, thickest })
+    fn checked_base(&self, nodes: &Nodes, base: Vec3) -> Result<Vec3, ReconstructError> {
+        let far = nodes.positions.iter().map(|place| place.distance(base)).fold(f32::INFINITY, f32::min);
+        let range =
+            "within a metre of the points, or within the gap if that is wider, as they lie in the cloud";
+        ParameterError::unless(far <= self.gap.max(1.0), "Reconstruct.base", base, range)?;
+        Ok(base)
     }
+}
 
-    fn find_base(&self, nodes: &Nodes, edges: &[(u32, u32)]) -> Result<Vec3, ReconstructError> {
-        if let Some(base) = self.base {
-            let far = nodes.positions.iter().map(|place| place.distance(base)).fold(f32::INFINITY, f32::min);
-            let range =
-                "within a metre of the points, or within the gap if that is wider, as they lie in the cloud";
-            ParameterError::unless(far <= self.gap.max(1.0), "Reconstruct.base", base, range)?;
-            return Ok(base);
-        }
-        // Parts of some size only: what lies alone below the tree is noise.
-        let mut sets = net::Sets::new(nodes.len());
-        for &(a, b) in edges {
-            sets.join(a, b);
-        }
-        let mut sizes = vec![0_usize; nodes.len()];
-        (0..nodes.len() as u32).for_each(|node| sizes[sets.of(node) as usize] += 1);
-        let least = (nodes.len() / 200).clamp(3, 50);
-        let sound: Vec<Vec3> = (0..nodes.len() as u32)
-            .filter(|&node| sizes[sets.of(node) as usize] >= least)
-            .map(|node| nodes.positions[node as usize])
-            .collect();
-        let sound = if sound.len() * 4 > nodes.len() { sound } else { nodes.positions.clone() };
-        let low = sound.iter().map(|place| place.y).fold(f32::INFINITY, f32::min);
-        let top = sound.iter().map(|place| place.y).fold(f32::NEG_INFINITY, f32::max);
-        let high = low + (0.05 * (top - low)).min(0.5).max(4.0 * nodes.side);
-        let trunks = ground::trunks(&sound, low, high);
-        let all: usize = trunks.iter().map(|trunk| trunk.nodes).sum();
-        match trunks[..] {
-            [first, ..] if first.nodes * 10 >= all * 7 => Ok(first.base),
-            [first, second, ..] => {
-                let (first, second) = (first.base, second.base);
-                Err(ReconstructError::Trunks { high, trunks: trunks.len(), first, second })
-            }
-            _ => Err(ReconstructError::TooFew { points: 0, nodes: 0 }),
-        }
+/// Checks that the limb at a base that was found is about as thick as any other limb.
+fn check_base(
+    rings: &[Ring],
+    heir: &[Option<u32>],
+    fits: &[Option<Cylinder>],
+) -> Result<(), ReconstructError> {
+    let mut radii: Vec<f32> = fits.iter().flatten().map(|fit| fit.radius).collect();
+    radii.sort_unstable_by(|a, b| b.total_cmp(a));
+    let mut at_base = None;
+    let mut ring = 0_usize;
+    for _ in 0..20 {
+        at_base = at_base.max(fits[ring].map(|fit| fit.radius.to_bits()));
+        let Some(next) = heir[ring] else { break };
+        ring = next as usize;
     }
+    // Bits of positive numbers are in their order.
+    let (Some(radius), Some(&thickest)) = (at_base.map(f32::from_bits), radii.get(9)) else {
+        return Ok(());
+    };
+    if thickest <= 3.0 * radius {
+        return Ok(());
+    }
+    Err(ReconstructError::ThinBase { base: rings[0].center, radius, thickest })
 }
 
 /// Height from the lowest to the highest of some points, leaving out a thousandth at either end.
@@ -367,41 +386,6 @@ fn height(points: &[Vec3], which: &[u32]) -> f32 {
     let last = heights.len() - 1 - cut;
     let high = *heights.select_nth_unstable_by(last, f32::total_cmp).1;
     high - *heights.select_nth_unstable_by(cut, f32::total_cmp).1
-}
-
-/// The nodes and the base, which is the last: linked to all nodes around it in the lowest part, or to the
-/// nearest.
-fn graph(
-    nodes: &Nodes,
-    edges: &[(u32, u32)],
-    bridges: &[(u32, u32)],
-    base: Vec3,
-) -> Result<Graph, GraphError> {
-    let root = nodes.len() as u32;
-    let mut positions = nodes.positions.clone();
-    let nearest = positions.iter().map(|place| place.distance(base)).fold(f32::INFINITY, f32::min);
-    // For the case that a node lies in the very place of the base.
-    let base = if nearest < 1e-5 { base - Vec3::Y * 0.5 * nodes.side } else { base };
-    // All of the trunk's lowest ring: what lies no higher than a hand, and within what no trunk is wider than.
-    let slab = base.y + 8.0 * nodes.side;
-    let mut flat: Vec<f32> =
-        positions.iter().filter(|p| p.y <= slab).map(|p| p.with_y(base.y).distance(base)).collect();
-    let half = flat.len() / 2;
-    let wide = if flat.is_empty() { 0.0 } else { *flat.select_nth_unstable_by(half, f32::total_cmp).1 };
-    let reach = (2.0 * wide).min(3.0).max(4.0 * nodes.side).max(nearest * 1.01);
-    let mut all: Vec<(u32, u32)> = edges.iter().chain(bridges).copied().collect();
-    for (node, place) in (0_u32..).zip(&positions) {
-        if place.y <= slab.max(base.y + nearest) && place.distance(base) <= reach
-            || place.distance(base) <= nearest
-        {
-            all.push((node, root));
-        }
-    }
-    all.sort_unstable();
-    all.dedup();
-    positions.push(base);
-    let both: Vec<(u32, u32)> = all.iter().flat_map(|&(a, b)| [(a, b), (b, a)]).collect();
-    Graph::new(positions, &both, root)
 }
 
 /// The child of each ring that goes on: the one with most nodes in and behind it.

@@ -6,7 +6,7 @@ use glam::Vec3;
 use kiddo::SquaredEuclidean;
 
 use super::nodes::{Nodes, Tree};
-use crate::guided::{Edge, GuidingRule, Step, WeightFn};
+use crate::guided::{Edge, Graph, GraphError, GuidingRule, Step, WeightFn};
 use crate::parallel;
 
 /// Sets that are joined one by one.
@@ -73,13 +73,17 @@ const BRIDGES: usize = 2;
 /// Greatest number of rounds in which parts are joined to the largest.
 const ROUNDS: usize = 100;
 
-/// Edges over gaps of at most `gap` metres from parts of at least three nodes to the largest part, which grows by them: shortest
-/// first, and along the limbs' directions rather than across.
-pub(super) fn bridges(nodes: &Nodes, edges: &[(u32, u32)], gap: f32) -> Vec<(u32, u32)> {
+/// Edges over gaps of at most `gap` metres from parts of at least three nodes to the main part, which grows by them: shortest
+/// first, and along the limbs' directions rather than across. Main is what hangs together with one of the nodes `from`; without
+/// any, the largest part.
+pub(super) fn bridges(nodes: &Nodes, edges: &[(u32, u32)], gap: f32, from: &[u32]) -> Vec<(u32, u32)> {
     let count = nodes.len() as u32;
     let mut sets = Sets::new(nodes.len());
     for &(a, b) in edges {
         sets.join(a, b);
+    }
+    for &node in from {
+        sets.join(from[0], node);
     }
     let mut owners: Vec<u32> = (0..count).map(|node| sets.of(node)).collect();
     let mut sizes = vec![0_u32; nodes.len()];
@@ -87,7 +91,8 @@ pub(super) fn bridges(nodes: &Nodes, edges: &[(u32, u32)], gap: f32) -> Vec<(u32
         sizes[owner as usize] += 1;
     }
     let largest = |&set: &u32| (sizes[set as usize], std::cmp::Reverse(set));
-    let Some(first) = (0..count).max_by_key(largest) else { return Vec::new() };
+    let first = from.first().map(|&node| owners[node as usize]).or((0..count).max_by_key(largest));
+    let Some(first) = first else { return Vec::new() };
     let mut asking: Vec<u32> = (0..count)
         .filter(|&node| sizes[owners[node as usize] as usize] >= 3 && owners[node as usize] != first)
         .collect();
@@ -148,14 +153,13 @@ fn score(nodes: &Nodes, a: u32, b: u32) -> f32 {
 /// The way so far and the direction of the limb, together.
 pub(super) struct Along<'a> {
     pub(super) along: &'a [(Vec3, f32)],
+    /// Length over which a path forgets its earlier direction, metres.
+    pub(super) memory: f32,
 }
-
-/// Length over which a path forgets its earlier direction, metres.
-const MEMORY: f32 = 0.08;
 
 impl GuidingRule for Along<'_> {
     fn guide(&self, step: &Step<'_>) -> Vec3 {
-        let share = step.length / (step.length + MEMORY);
+        let share = step.length / (step.length + self.memory);
         let way = step.vector * (1.0 - share) + step.edge * share;
         let (along, linear) = self.along.get(step.node as usize).copied().unwrap_or((Vec3::ZERO, 0.0));
         let along = if along.dot(way) < 0.0 { -along } else { along };
@@ -168,12 +172,55 @@ impl GuidingRule for Along<'_> {
 pub(super) struct Dear {
     /// Longer edges are gaps, metres.
     pub(super) gap: f32,
+    /// The price of the way off the guiding vector.
+    pub(super) turn: f32,
 }
 
 impl WeightFn for Dear {
     fn weight(&self, edge: &Edge<'_>) -> f32 {
         let off = 1.0 - edge.direction.dot(edge.vector);
         let gap = (edge.length / self.gap - 1.0).clamp(0.0, 4.0);
-        edge.length * (1.0 + off * (0.5 + gap) + gap)
+        edge.length * (1.0 + off * (self.turn + gap) + gap)
     }
+}
+
+/// The nodes, then a root for each base: linked to the nodes around it in the lowest part of its trunk, or to the nearest.
+pub(super) fn graph(
+    nodes: &Nodes,
+    edges: &[(u32, u32)],
+    bridges: &[(u32, u32)],
+    bases: &[Vec3],
+) -> Result<Graph, GraphError> {
+    let mut positions = nodes.positions.clone();
+    let mut all: Vec<(u32, u32)> = edges.iter().chain(bridges).copied().collect();
+    for (number, &base) in bases.iter().enumerate() {
+        let root = positions.len() as u32;
+        let own = |place: Vec3| {
+            let far = place.distance_squared(base);
+            bases.iter().enumerate().all(|(i, other)| i == number || far < place.distance_squared(*other))
+        };
+        let own: Vec<(u32, Vec3)> =
+            (0_u32..).zip(nodes.positions.iter().copied()).filter(|node| own(node.1)).collect();
+        let nearest = own.iter().map(|node| node.1.distance(base)).fold(f32::INFINITY, f32::min);
+        // For the case that a node lies in the very place of the base.
+        let base = if nearest < 1e-5 { base - Vec3::Y * 0.5 * nodes.side } else { base };
+        // All of the trunk's lowest ring: what lies no higher than a hand, and within what no trunk is wider than.
+        let slab = base.y + 8.0 * nodes.side;
+        let low = own.iter().filter(|node| node.1.y <= slab);
+        let mut flat: Vec<f32> = low.map(|node| node.1.with_y(base.y).distance(base)).collect();
+        let half = flat.len() / 2;
+        let wide = if flat.is_empty() { 0.0 } else { *flat.select_nth_unstable_by(half, f32::total_cmp).1 };
+        let reach = (2.0 * wide).min(3.0).max(4.0 * nodes.side).max(nearest * 1.01);
+        let around = own.iter().filter(|(_, place)| {
+            place.y <= slab.max(base.y + nearest) && place.distance(base) <= reach
+                || place.distance(base) <= nearest
+        });
+        all.extend(around.map(|node| (node.0, root)));
+        positions.push(base);
+    }
+    all.sort_unstable();
+    all.dedup();
+    let both: Vec<(u32, u32)> = all.iter().flat_map(|&(a, b)| [(a, b), (b, a)]).collect();
+    let first = nodes.len() as u32;
+    Graph::new(positions, &both, first)?.with_roots((first..).take(bases.len()).collect())
 }

@@ -4,7 +4,7 @@ use super::*;
 use crate::metrics::diameter_at;
 use crate::radius::check_radii;
 use crate::random::{Purpose, unit};
-use crate::scan::Scanner;
+use crate::scan::{Scanner, Truth};
 use crate::surface::{Part, Tubes};
 
 /// A trunk with six limbs, each with three branches.
@@ -111,10 +111,80 @@ fn ground_outliers_gaps_and_thin_places_do_no_harm() {
     assert!(recall > 0.85 && precision > 0.85, "{recall} {precision}");
 }
 
+/// Four trees whose crowns reach into each other, from five places: the points, and the tree that each is of; [`Truth::GROUND`] for
+/// the ground.
+fn stand(truth: &Skeleton, scanner: &Scanner) -> (Vec<Vec3>, Cloud, Vec<u32>) {
+    let mesh = Tubes::default().with_sides(32).with_root_flare(0.0).mesh(truth).expect("a mesh");
+    let places =
+        vec![Vec3::ZERO, Vec3::new(2.6, 0.0, 0.3), Vec3::new(0.2, 0.0, 2.7), Vec3::new(2.9, 0.0, 2.8)];
+    let part = |(i, &at): (usize, &Vec3)| Part::new(&mesh).at(at, glam::Quat::from_rotation_y(i as f32), 1.0);
+    let parts: Vec<Part<'_>> = places.iter().enumerate().map(part).collect();
+    let scan = scanner.scan(&parts, 1).expect("a scan");
+    (places, scan.cloud, scan.truth.iter().map(|truth| truth.part).collect())
+}
+
+#[test]
+fn trees_whose_crowns_touch_come_back_one_by_one() {
+    let truth = tree();
+    let wanted = diameter_at(&truth, 1.3).unwrap_or(0.0);
+    let scanner = Scanner::around(Vec3::new(1.4, 1.6, 1.4), 8.0, 5).with_step(0.002);
+    for scanner in [scanner.clone(), scanner.with_ground(0.0)] {
+        let (places, cloud, parts) = stand(&truth, &scanner);
+        let has_ground = parts.contains(&Truth::GROUND);
+        let found = Reconstruct::default().reconstruct_stand(&cloud).expect("trees");
+        assert_eq!((found.trees.len(), found.owners.len()), (4, cloud.len()));
+        assert_eq!(found.ground > 0, has_ground);
+        let mut right = 0;
+        for (part, place) in (0_u32..).zip(&places) {
+            let far = |tree: &Reconstruction| tree.skeleton.positions()[0].distance(*place);
+            let tree =
+                (0..4).min_by(|&a, &b| far(&found.trees[a]).total_cmp(&far(&found.trees[b]))).expect("four");
+            let own = &found.trees[tree];
+            check(&own.skeleton);
+            assert!(far(own) < 0.05, "{part}: root {}", own.skeleton.positions()[0]);
+            let dbh = diameter_at(&own.skeleton, 1.3).unwrap_or(0.0);
+            assert!((dbh - wanted).abs() < 0.01, "{part}: {dbh} {wanted}");
+            let is_own = |&(&owner, &of): &(&Option<u32>, &u32)| of == part && owner == Some(tree as u32);
+            right += found.owners.iter().zip(&parts).filter(is_own).count();
+        }
+        let all = parts.iter().filter(|&&part| part != Truth::GROUND).count();
+        assert!(right as f32 > 0.95 * all as f32, "{right} of {all}");
+        if !has_ground {
+            let again = Reconstruct::default().reconstruct_stand_at(&cloud, &places[..2]).expect("two trees");
+            assert_eq!(again.trees.len(), 2);
+        }
+        let twice = Reconstruct::default().reconstruct_stand_at(&cloud, &[places[0], places[0]]);
+        assert!(twice.is_err_and(|error| error.to_string().contains("bases")));
+        assert!(Reconstruct::default().reconstruct_stand_at(&cloud, &[Vec3::Y * 90.0]).is_err());
+        assert!(Reconstruct::default().reconstruct_stand_at(&cloud, &[Vec3::NAN]).is_err());
+    }
+}
+
+#[test]
+fn the_axis_goes_on_in_the_straighter_limb_though_it_bears_less() {
+    // A trunk that goes on thin, and a thick limb off it that bears more.
+    let nodes =
+        [[0.0, 0.0], [0.0, 1.5], [0.0, 3.0], [0.8, 2.2], [1.6, 2.6], [1.3, 3.0], [1.0, 3.2], [1.9, 2.2]];
+    let nodes = nodes.map(|[x, y]| Vec3::new(x, y, 0.0)).to_vec();
+    let parents = vec![None, Some(0), Some(1), Some(1), Some(3), Some(3), Some(3), Some(3)];
+    let radii = vec![0.06, 0.06, 0.03, 0.05, 0.02, 0.02, 0.02, 0.02];
+    let truth = Skeleton::new(nodes, parents).and_then(|tree| tree.with_radii(radii)).expect("a tree");
+    let found = Reconstruct::default().reconstruct(&cloud(&truth, &scanner())).expect("a tree").skeleton;
+    let nearest = |at: Vec3| {
+        let far = |node: &usize| found.positions()[*node].distance(at);
+        (0..found.len()).min_by(|a, b| far(a).total_cmp(&far(b))).expect("nodes")
+    };
+    assert_eq!(found.orders()[nearest(Vec3::new(0.0, 2.6, 0.0))], 0);
+    assert_eq!(found.orders()[nearest(Vec3::new(0.5, 1.94, 0.0))], 1);
+}
+
 #[test]
 fn what_is_no_tree_is_an_error() {
     let of = |points: Vec<Vec3>| Reconstruct::default().reconstruct(&Cloud::new(points).expect("finite"));
     for points in [vec![], vec![Vec3::ONE], vec![Vec3::ONE; 5000]] {
+        let cloud = Cloud::new(points.clone()).expect("finite");
+        let stand = Reconstruct::default().reconstruct_stand(&cloud);
+        assert!(matches!(stand, Err(ReconstructError::TooFew { .. })));
         assert!(matches!(of(points), Err(ReconstructError::TooFew { .. })));
     }
     assert!(Cloud::new(vec![Vec3::NAN]).is_err());
