@@ -257,7 +257,11 @@ fn of_preset(
     let look = if ask.format == "json" {
         Look::Nothing
     } else if ask.preview {
-        preview(coarse(treesynth::metrics::height(&skeleton) as f32).mesh(&skeleton)?, preset.bark(), leaves.iter())
+        preview(
+            coarse(treesynth::metrics::height(&skeleton) as f32).mesh(&skeleton)?,
+            preset.bark(),
+            leaves.iter(),
+        )
     } else {
         Look::Asset(Box::new(preset_asset(ask, preset, &skeleton, leaves.as_slice())?))
     };

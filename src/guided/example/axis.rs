@@ -42,6 +42,17 @@ impl Axis {
         self.points[self.points.len() - 1] - self.points[0]
     }
 
+    /// The farthest that it strays from its chord, as a share of the chord.
+    pub(super) fn sweep(&self) -> f32 {
+        let chord = self.chord();
+        let along = chord.normalize_or(UP);
+        let aside = |&point: &Vec3| {
+            let way = point - self.points[0];
+            (way - along * way.dot(along)).length()
+        };
+        self.points.iter().map(aside).fold(0.0, f32::max) / chord.length().max(f32::MIN_POSITIVE)
+    }
+
     /// The place of the node nearest to a share of the way, but not the tip.
     pub(super) fn place(&self, share: f32) -> usize {
         let way = share * self.length();

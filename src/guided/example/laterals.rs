@@ -41,7 +41,7 @@ pub(super) struct Planned {
 const LIKE: f32 = 1.25;
 const MODELS: usize = 6;
 /// Laterals up and down the trunk that a limb takes its form from.
-const NEIGHBOURS: f32 = 4.0;
+const NEIGHBOURS: f32 = 1.5;
 /// The golden angle: limbs of a trunk in turn lie in gaps of those before.
 const GOLDEN_ANGLE: f32 = 2.399_963;
 /// For a lateral that would leave the crown: largest share of the way to the crown's end by which

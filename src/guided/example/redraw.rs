@@ -4,7 +4,7 @@ use super::axis::Axis;
 use super::laterals::{LateralsLike, Planned};
 use super::learn::{Model, chord_angles, models};
 use crate::math::{Rotation, UP, angle_between, perpendicular};
-use crate::metrics::{branch_angles, tortuosities};
+use crate::metrics::branch_angles;
 use crate::random::{Purpose, stream};
 use crate::skeleton::{Skeleton, SkeletonError};
 use glam::{Mat3, Vec3};
@@ -21,8 +21,8 @@ pub(super) struct Redraw {
     angles: Vec<Vec<f32>>,
     /// Mean and standard deviation of the angles between parent branches and chords, by order from 1.
     pub(super) chords: Vec<[f32; 2]>,
-    /// Mean of way over chord.
-    tortuosity: f32,
+    /// Mean of how far branches stray from their chords, as a share of those.
+    sweep: f32,
     /// Branches of each order.
     counts: Vec<usize>,
 }
@@ -42,9 +42,14 @@ struct Drawn {
     bears: Vec<usize>,
 }
 
-fn mean_tortuosity(skeleton: &Skeleton) -> f32 {
-    let all: Vec<f64> = tortuosities(skeleton).into_iter().skip(1).flatten().collect();
-    (all.iter().sum::<f64>() / all.len().max(1) as f64) as f32
+/// Mean over all branches of three nodes or more, but the trunk.
+fn mean_sweep<'a>(axes: impl Iterator<Item = &'a Axis>) -> f32 {
+    let (mut sum, mut count) = (0.0, 0.0);
+    for axis in axes.filter(|axis| axis.nodes.len() > 2) {
+        sum += axis.sweep().min(1.0);
+        count += 1.0;
+    }
+    if count > 0.0 { sum / count } else { 0.0 }
 }
 
 fn all_chords(models: &[Vec<Model>]) -> Vec<[f32; 2]> {
@@ -54,10 +59,11 @@ fn all_chords(models: &[Vec<Model>]) -> Vec<[f32; 2]> {
 impl Redraw {
     pub(super) fn of(skeleton: &Skeleton, models: &[Vec<Model>]) -> Self {
         let mut internodes: Vec<[f32; 2]> = Vec::new();
-        for branch in skeleton.branches().iter() {
+        let branches = skeleton.branches();
+        let axes: Vec<Axis> = branches.iter().map(|branch| Axis::of(skeleton, &branch)).collect();
+        for (branch, axis) in branches.iter().zip(&axes) {
             let order = usize::from(branch.order());
             internodes.resize(internodes.len().max(order + 1), [0.0; 2]);
-            let axis = Axis::of(skeleton, &branch);
             internodes[order][0] += axis.length();
             internodes[order][1] += (axis.nodes.len() - 1) as f32;
         }
@@ -70,7 +76,7 @@ impl Redraw {
             internodes,
             angles,
             chords: all_chords(models),
-            tortuosity: mean_tortuosity(skeleton).max(1.0),
+            sweep: mean_sweep(axes.iter().skip(1)),
             counts: models.iter().map(Vec::len).collect(),
         }
     }
@@ -96,9 +102,8 @@ impl Redraw {
         for (_, axis) in axes.iter().skip(1) {
             bears[home[axis.nodes[0] as usize].0] = true;
         }
-        let winding = mean_tortuosity(tree) - 1.0;
-        let kept =
-            if winding > 0.0 { ((self.tortuosity - 1.0) / winding).clamp(0.0, 1.0).sqrt() } else { 0.0 };
+        let winding = mean_sweep(axes.iter().skip(1).map(|(_, axis)| axis));
+        let kept = if winding > 0.0 { (self.sweep / winding).min(1.0) } else { 0.0 };
         let found = all_chords(&models(tree));
         let mut drawing = Drawing::new(self, tree.positions()[0], seed);
         for (number, (order, axis)) in axes.iter().enumerate() {
@@ -175,7 +180,7 @@ impl<'a> Drawing<'a> {
         for part in 1..=parts {
             let share = part as f32 / parts as f32;
             let node = self.positions.len() as u32;
-            self.positions.push(line.at(share, part == 1 && parts > 1));
+            self.positions.push(line.at(share, 1.0 / parts as f32));
             self.parents.push(Some(before));
             self.orders.push(order);
             self.hops.push(part);
@@ -297,8 +302,8 @@ impl<'a> Line<'a> {
         Self { axis, base, turn, chord, kept, leaves }
     }
 
-    /// Point at a share of its way.
-    fn at(&self, share: f32, is_first: bool) -> Vec3 {
+    /// Point at a share of its way; the first internode ends at `first`, and from there on the branch comes to its chord.
+    fn at(&self, share: f32, first: f32) -> Vec3 {
         let axis = self.axis;
         let way = share * axis.length();
         let after = axis.ways.partition_point(|&other| other < way).clamp(1, axis.ways.len() - 1);
@@ -306,13 +311,15 @@ impl<'a> Line<'a> {
         let t = if to > from { ((way - from) / (to - from)).clamp(0.0, 1.0) } else { 1.0 };
         let old = axis.points[after - 1].lerp(axis.points[after], t);
         let Some(leaves) = self.leaves else { return old };
-        let length = self.chord.length();
-        if is_first {
-            return self.base + leaves * (length * share);
-        }
         let winding = self.turn * (old - (axis.points[0] + axis.chord() * share)) * self.kept;
-        let rest = 1.0 - share;
-        let [a, b, c] = [3.0 * rest * rest * share, 3.0 * rest * share * share, share * share * share];
-        self.base + leaves * (length / 3.0 * a) + self.chord * (b * 2.0 / 3.0 + c) + winding
+        if first >= 1.0 {
+            return self.base + self.chord;
+        }
+        let aside = (leaves * self.chord.length() - self.chord) * first;
+        if share <= first {
+            return self.base + self.chord * share + aside * (share / first);
+        }
+        let rest = (1.0 - share) / (1.0 - first);
+        self.base + self.chord * share + aside * rest + winding * (1.0 - rest)
     }
 }
