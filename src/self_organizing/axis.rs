@@ -3,7 +3,7 @@
 use super::habit::within;
 use crate::ParameterError;
 
-/// What is special about the axes of one branch order of a [`Habit`](super::Habit): how they leave their parent branch,
+/// Traits of the axes of one branch order of a [`Habit`](super::Habit): how they leave their parent branch,
 /// in which direction they grow, which of their buds live, and how they end.
 ///
 /// The defaults are the habit's own parameters and nothing besides.
@@ -121,7 +121,7 @@ impl Axis {
         self
     }
 
-    /// Whether the lateral of the metamer of this index, of so many, lives.
+    /// `true` if the lateral of the metamer of this index, of `of` metamers, lives.
     pub(super) fn lives(&self, index: u32, of: u32) -> bool {
         let [from, to] = self.laterals;
         let place = |index: u32| (index as f32 + 0.5) / of as f32;

@@ -53,7 +53,7 @@ const MOST_CELLS: f32 = 128.0;
 pub struct SpaceColonization {
     options: Options,
     grid: Grid,
-    /// How many nodes take each marker.
+    /// Number of nodes that take each marker.
     takers: Vec<u32>,
     /// Free markers by cell as of this season, where each cell's begin, and whether there are any in it or beside it.
     free: Vec<Vec3>,
@@ -67,7 +67,7 @@ pub struct SpaceColonization {
 crate::recipe::readable!(in options: SpaceColonization { occupancy: f32, light: f32 });
 
 impl SpaceColonization {
-    /// What [`with_perception`](Self::with_perception) sets: metres and radians.
+    /// Distance in metres and angle in radians; set by [`with_perception`](Self::with_perception).
     pub fn perception(&self) -> (f32, f32) {
         (self.options.distance, self.options.angle)
     }
@@ -124,7 +124,7 @@ impl SpaceColonization {
         })
     }
 
-    /// So many markers, drawn in `shape` where all parts are equally likely. Nodes stay in the shape, to a 64th of its
+    /// This number of markers, drawn in `shape` where all parts are equally likely. Nodes stay in the shape, to a 64th of its
     /// size; a tree that stands outside may grow into it.
     ///
     /// # Errors
@@ -331,7 +331,7 @@ impl Environment for SpaceColonization {
         }
         self.gains.clear();
         self.gains.resize(buds.len(), (0, Vec3::ZERO));
-        // By the markers' numbers, so that sums of directions do not depend on the grid.
+        // In the order of the markers' numbers, so that sums of directions do not depend on the grid.
         let mut order: Vec<u32> = (0..self.free.len() as u32).collect();
         order.sort_unstable_by_key(|&marker| self.free_numbers[marker as usize]);
         for marker in order {
@@ -372,7 +372,7 @@ impl Environment for SpaceColonization {
     }
 }
 
-/// So many points of a shape.
+/// Random points of a shape, `markers` of them.
 fn drawn(shape: &dyn Shape, markers: usize, seed: u64) -> Result<Vec<Vec3>, ParameterError> {
     shape.check()?;
     check_count(markers)?;

@@ -38,7 +38,7 @@ pub enum ReadForestError {
     /// They are something else, or damaged.
     #[error("not a forest: {0}")]
     Syntax(String),
-    /// What they say could not have grown.
+    /// A forest that could not have grown.
     #[error(transparent)]
     Parameter(#[from] ParameterError),
 }
@@ -222,7 +222,7 @@ fn read_number(reader: &mut impl Read) -> Result<u32, ReadForestError> {
     Err(damaged("a number is too long"))
 }
 
-/// What a child is, in a byte.
+/// Kind of a child, in a byte.
 fn kind(child: u32) -> u8 {
     match child {
         BUD => 1,

@@ -1,4 +1,4 @@
-//! What falls from a tree, and what sprouts where it was.
+//! Cuts: metamers that fall from a tree, and shoots that sprout in their place.
 
 use super::habit::within;
 use super::season::FALLS;
@@ -6,7 +6,7 @@ use super::tree::{BUD, DEAD, DORMANT, Node, NodeId, Tree, is_node};
 use crate::ParameterError;
 use glam::Vec3;
 
-/// What sprouts near a cut: the bud at the stump, and dormant and living buds below it, the nearest first. They grow in
+/// Sprouting near a cut: the bud at the stump, and dormant and living buds below it, the nearest first. They grow in
 /// the next season even in the shade, as from stored sugar. What bears them is not shed for as many seasons as the
 /// habit's grace; after that they must live on their light.
 ///

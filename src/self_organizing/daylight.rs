@@ -1,4 +1,4 @@
-//! Where light comes from: the sky, and the sun's path by latitude.
+//! Directions that light comes from: the sky, and the sun's path by latitude.
 
 use super::habit::within;
 use crate::{ParameterError, math};

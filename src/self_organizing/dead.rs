@@ -6,7 +6,7 @@ use crate::ParameterError;
 use crate::math;
 use glam::Vec3;
 
-/// How long a dead tree stands as a snag, and what it shades meanwhile.
+/// Number of seasons for which a dead tree stands as a snag, and its shade meanwhile.
 ///
 /// A tree dies when its root has too little vigor for its trunk ([`Shedding`](super::Shedding)), of old age
 /// ([`Stature::with_lifespan`](super::Stature::with_lifespan)), or by [`Forest::kill`](super::Forest::kill). A habit without

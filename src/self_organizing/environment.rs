@@ -1,4 +1,4 @@
-//! What buds compete for.
+//! The environment that buds compete in, for light or for space.
 
 use super::habit::Habit;
 use super::terrain::Terrain;
@@ -59,7 +59,7 @@ pub trait Environment: Send + Sync {
     /// In which direction the bud had better grow.
     fn direction(&self, bud: &Bud<'_>) -> Vec3;
 
-    /// Whether [`light`](Self::light) depends on where a bud is and on nothing else of it, so that it need be asked
+    /// `true` if [`light`](Self::light) depends on where a bud is and on nothing else of it, so that it need be asked
     /// once only for both buds of a node. By default it may depend on anything. If this lies, a lateral bud gets the
     /// light of the main one.
     fn is_positional(&self) -> bool {
@@ -71,7 +71,7 @@ pub trait Environment: Send + Sync {
         let _ = (appeared, fallen);
     }
 
-    /// How much shade each node of a species casts, as a multiple of the environment's own measure; 1 by default. When
+    /// Shade that each node of a species casts, as a multiple of the environment's own measure; 1 by default. When
     /// the answer for a species changes, its nodes are taken out and put in again.
     fn shade_of(&self, habit: &Habit) -> f32 {
         let _ = habit;
@@ -91,7 +91,7 @@ pub trait Environment: Send + Sync {
         self.update_shaded(shade, to, from);
     }
 
-    /// What stands in the way of light: all obstacles of the forest and its terrain, each time there are others. The
+    /// Takes all that stands in the way of light, obstacles and terrain, each time there are others. The
     /// default does not care; nodes keep out of them in any case.
     fn obstruct(&mut self, obstacles: &[Arc<dyn Shape>], terrain: Option<&Arc<dyn Terrain>>) {
         let _ = (obstacles, terrain);
@@ -103,7 +103,7 @@ pub trait Environment: Send + Sync {
         None
     }
 
-    /// Whether [`prepare`](Self::prepare) wants to see all buds at the start of each season. The default does
+    /// `true` if [`prepare`](Self::prepare) wants to see all buds at the start of each season. The default does
     /// not, which saves listing them.
     fn surveys(&self) -> bool {
         false
@@ -115,13 +115,13 @@ pub trait Environment: Send + Sync {
         let _ = buds;
     }
 
-    /// Whether a node may stand at `point`; by default anywhere. Growth ends where it may not.
+    /// `true` if a node may stand at `point`; by default anywhere. Growth ends where it may not.
     fn contains(&self, point: Vec3) -> bool {
         let _ = point;
         true
     }
 
-    /// Whether a metamer may grow from `start` to `end`; by default if the environment [contains](Self::contains) its
+    /// `true` if a metamer may grow from `start` to `end`; by default if the environment [contains](Self::contains) its
     /// end. A bud that may not grow waits for another season.
     fn admits(&self, start: Vec3, end: Vec3) -> bool {
         let _ = start;
@@ -231,7 +231,7 @@ impl Bud<'_> {
         self.tree.nodes[self.node as usize].order_of(usize::from(self.lateral))
     }
 
-    /// Whether it stands at the side of its metamer, not at its end.
+    /// `true` if it stands at the side of its metamer, not at its end.
     pub fn is_lateral(&self) -> bool {
         self.lateral
     }

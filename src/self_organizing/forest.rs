@@ -116,7 +116,7 @@ pub enum ForestError {
     Skeleton(#[from] SkeletonError),
 }
 
-/// What `change` returns of an environment that no node stands in meanwhile.
+/// Result of `change` on an environment that no node stands in meanwhile.
 fn emptied<E: Environment, T>(
     environment: &mut E,
     trees: &[Tree],
@@ -315,7 +315,7 @@ impl<E: Environment> Forest<E> {
         self.next_tree += 1;
     }
 
-    /// Whether all options are in range. Growth asks this before each season.
+    /// Checks that all options are in range. Growth asks this before each season.
     ///
     /// # Errors
     /// The first that is not.

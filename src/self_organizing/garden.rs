@@ -1,4 +1,4 @@
-//! What a gardener does between seasons: cuts, prunes, removes.
+//! A gardener's work between seasons: cuts, prunes, removes.
 
 use super::environment::Environment;
 use super::forest::Forest;

@@ -34,7 +34,7 @@ pub(super) struct Grid {
     /// Number of parts of a full shadow.
     parts: f32,
     falloff: f32,
-    /// Where the light comes from; empty if from above, in whole pyramids.
+    /// Directions that light comes from, and their weights; empty if from above, in whole pyramids.
     light: Vec<(Vec3, f32)>,
     /// Values that a shadow adds, by q.
     powers: Vec<Slice>,
@@ -140,12 +140,12 @@ impl Grid {
         Caster { cell: (cell - self.low).to_array().map(|c| c as u16), falls }
     }
 
-    /// Whether it is still to be made.
+    /// `true` if it is still to be made.
     pub(super) fn is_empty(&self) -> bool {
         self.powers.is_empty()
     }
 
-    /// How many parts a full shadow has; 1 before there are any nodes.
+    /// Number of parts of a full shadow; 1 before there are any nodes.
     #[inline]
     pub(super) fn full(&self) -> f32 {
         self.powers.first().map_or(1.0, |slice| f32::from(slice.middle()))
@@ -171,14 +171,14 @@ impl Grid {
         if self.layers.len() <= top {
             self.layers.resize_with(top + 1, Layer::default);
         }
-        // How many casters each height has, and between which z.
+        // Number of casters of each height, and the range of their z.
         let mut found = vec![(0usize, usize::MAX, 0); top + 1];
         for caster in casters {
             let (count, low, high) = &mut found[usize::from(caster.cell[1])];
             let z = usize::from(caster.cell[2]) + self.margin;
             (*count, *low, *high) = (*count + 1, z.min(*low), z.max(*high));
         }
-        // What each layer gets from them: cells to add to and rows.
+        // Their slices in each layer: cells to add to and rows.
         let slices = &self.powers;
         let shades: Vec<(usize, Range<usize>)> = (0..=top)
             .map(|y| {
@@ -317,7 +317,7 @@ impl Layer {
     }
 }
 
-/// So many cells, those there were from `from` on.
+/// `len` cells, those there were from `from` on.
 fn moved<T: Copy + Default>(cells: &[T], len: usize, from: usize) -> Vec<T> {
     // The last group of the last row may reach beyond it.
     let mut moved = vec![T::default(); len + LANES];
@@ -326,7 +326,7 @@ fn moved<T: Copy + Default>(cells: &[T], len: usize, from: usize) -> Vec<T> {
     moved
 }
 
-/// So many rows of `old` cells as rows of `stride`, the old cells from `aside` on.
+/// `rows` rows of `old` cells as rows of `stride`, the old cells from `aside` on.
 fn widened<T: Copy + Default>(cells: &[T], old: usize, stride: usize, aside: usize, rows: usize) -> Vec<T> {
     let mut wide = vec![T::default(); rows * stride + LANES];
     for (from, to) in cells.chunks_exact(old).zip(wide.chunks_exact_mut(stride)).take(rows) {

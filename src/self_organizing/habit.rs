@@ -56,7 +56,7 @@ pub struct Habit {
 }
 
 impl Habit {
-    /// What [`with_axes`](Self::with_axes) sets.
+    /// Traits of axes by order; set by [`with_axes`](Self::with_axes).
     pub fn axes(&self) -> &[Axis] {
         &self.axes
     }
@@ -305,7 +305,7 @@ impl Habit {
         self.shade_tolerance
     }
 
-    /// Whether all parameters are in range.
+    /// Checks that all parameters are in range.
     ///
     /// # Errors
     /// The first that is not.

@@ -216,7 +216,7 @@ impl<E: Environment> Landscape<E> {
         self.tile as f32 * self.spacing
     }
 
-    /// Where in the landscape the origin of a tile's frame lies, metres.
+    /// Place of the origin of a tile's frame in the landscape, metres.
     pub fn origin(&self, tile: IVec2) -> DVec3 {
         let corner = tile.as_dvec2() * f64::from(self.tile) * f64::from(self.spacing);
         let middle = (corner + 0.5 * f64::from(self.side())).as_vec2();
@@ -224,7 +224,7 @@ impl<E: Environment> Landscape<E> {
         DVec3::new(corner.x, if height.is_finite() { height.into() } else { 0.0 }, corner.y)
     }
 
-    /// Whether all options are in range.
+    /// Checks that all options are in range.
     ///
     /// # Errors
     /// The first that is not.

@@ -6,7 +6,7 @@ use crate::math;
 use crate::random::{Purpose, unit};
 use glam::Vec3;
 
-/// How a tree sows itself (step 6 of the text): number and distance of its seeds grow with the logarithm of the
+/// Sowing of a tree (step 6 of the text): number and distance of its seeds grow with the logarithm of the
 /// root's vigor.
 #[must_use]
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -78,7 +78,7 @@ impl Offspring {
         self.distance * math::ln(vigor.clamp(1.0, f32::MAX))
     }
 
-    /// Where the seeds fall of a tree at `foot` that is so many seasons old.
+    /// Places where the seeds fall of a tree at `foot` that is `age` seasons old.
     pub(super) fn sow(&self, foot: Vec3, vigor: f32, age: u16, seed: u64, tree: u32) -> Vec<Vec3> {
         if age < self.maturity
             || vigor < self.least_vigor

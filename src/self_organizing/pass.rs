@@ -157,7 +157,7 @@ pub(super) fn tell(environment: &mut impl Environment, told: &[f32], mut changes
             update(&mut now, TOLD);
         }
         update(&mut now, 1);
-        // What has moved may have appeared in this very turn, so the environment knows of it by now.
+        // Nodes that have moved may have appeared in this very turn, so the environment knows of them by now.
         for (_, change) in changes.iter_mut().filter(|(of, _)| *of == class) {
             let (from, to): (Vec<_>, Vec<_>) = std::mem::take(&mut change.moved).into_iter().unzip();
             if !from.is_empty() {

@@ -1,4 +1,4 @@
-//! Where laterals stand around their axis.
+//! Arrangement of laterals around their axis.
 
 use crate::ParameterError;
 use crate::math::{self, UP};

@@ -72,7 +72,7 @@ impl Region {
         }
     }
 
-    /// Whether a file may hold it.
+    /// `true` if a file may hold it.
     pub(super) fn is_sound(&self) -> bool {
         let sizes = self.size.min_element() >= 1 && self.size.max_element() <= CELLS as i32 + 1;
         let all: u64 = self.runs.iter().map(|&run| u64::from(run)).sum();

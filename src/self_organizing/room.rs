@@ -1,4 +1,4 @@
-//! Where nodes may stand, besides what the environment says.
+//! Room for nodes: obstacles, envelope and ground, besides what the environment says.
 
 use super::terrain::Terrain;
 use crate::ParameterError;
@@ -44,7 +44,7 @@ impl Room {
             && self.terrain.as_ref().is_none_or(above)
     }
 
-    /// Whether a metamer may go from `start` to `end`: its end and three points on the way are looked at.
+    /// `true` if a metamer may go from `start` to `end`: its end and three points on the way are looked at.
     pub(super) fn is_open(&self, start: Vec3, end: Vec3) -> bool {
         if self.envelopes.is_empty() && self.obstacles.is_empty() && self.terrain.is_none() {
             return true;
@@ -81,7 +81,7 @@ impl Room {
     }
 }
 
-/// Whether the shapes are those of the marks, perhaps with more after them.
+/// Checks that the shapes are those of the marks, perhaps with more after them.
 fn complete(name: &str, shapes: &[Arc<dyn Shape>], wanted: &[u64]) -> Result<(), ParameterError> {
     let holds = shapes.len() >= wanted.len()
         && shapes.iter().zip(wanted).all(|(shape, &wanted)| mark(shape) == wanted);

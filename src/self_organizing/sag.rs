@@ -16,7 +16,7 @@ const MOST: f32 = 0.5;
 /// After so many rounds in which some metamer had no room, the tree does not bend that season.
 const ROUNDS: usize = 16;
 
-/// How far limbs bend under their own load as they grow.
+/// Bending of limbs under their own load as they grow.
 ///
 /// A metamer is a beam of round wood. In the course of a season what it bears becomes heavier, and its bending moment
 /// grows by ΔM; it turns by `ΔM · length / (E · I)`, with I = π r⁴ / 4 and the radius r that it has by then. The wood that
@@ -149,7 +149,7 @@ impl Tree {
                 totals[node] = (totals[parent] + turns[node]).clamp_length_max(MOST);
                 let below = self.nodes[parent].position;
                 let (turn, angle) = (totals[node], totals[node].length());
-                // What is not turned stays as it is to the last bit.
+                // Nodes that are not turned stay as they are to the last bit.
                 if angle <= 0.0 && places[parent] == below {
                     places[node] = data.position;
                     continue;

@@ -102,7 +102,7 @@ impl<E: Environment> TryFrom<Saved<E>> for Forest<E> {
             ParameterError::unless(bare <= most, "bare_since", bare, "at most the season")?;
             let died = tree.died.unwrap_or_default();
             ParameterError::unless(died <= most, "died", died, "at most the season")?;
-            // Where there was a terrain the bottom of a box was not the ground.
+            // With a terrain the bottom of a box is not the ground.
             let is_outside = |&node: &Vec3| !on_terrain && !forest.environment.contains(node);
             let outside = tree.positions().find(is_outside);
             ParameterError::unless(outside.is_none(), "position", outside, "inside of the environment")?;

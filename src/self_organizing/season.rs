@@ -31,7 +31,7 @@ pub(super) struct Plan {
     /// The lowest nodes of what will be shed, ascending.
     shed: Vec<u32>,
     vigor: f32,
-    /// Whether the tree dies on its feet.
+    /// `true` if the tree dies and stays standing.
     dies: bool,
     /// The moments of what stands before shoots grow, if it sags.
     moments: Vec<Vec3>,
@@ -63,7 +63,7 @@ pub(super) struct Change {
     pub(super) fallen: Vec<Vec3>,
     /// From where to where nodes have moved, those that have appeared included.
     pub(super) moved: Vec<(Vec3, Vec3)>,
-    /// What stood before and is dead wood from now on.
+    /// Nodes that stood before and are dead wood from now on.
     pub(super) died: Vec<Vec3>,
 }
 
@@ -103,7 +103,7 @@ impl Tree {
         let age = season.saturating_sub(self.born());
         let strength = habit.stature.map_or(1.0, |stature| stature.strength(age));
         let vigor = habit.vigor_multiplier * supply.light[0] * strength;
-        // Where sums of light leave the range of numbers, nothing grows.
+        // Nothing grows if sums of light leave the range of numbers.
         let mut plan = Plan { vigor: if vigor.is_finite() { vigor } else { 0.0 }, ..Plan::default() };
         supply.share(self, habit.vigor_model, plan.vigor, &mut |node, side, vigor| {
             if vigor >= 1.0 {
@@ -199,7 +199,7 @@ impl Tree {
         plan.metamers = metamers.saturating_mul(u64::from(habit.phyllotaxis.nodes()));
     }
 
-    /// What each metamer pays for itself if each living bud above it brings so much vigor.
+    /// Vigor that each metamer pays for itself if each living bud above it brings `each`.
     fn pay(&self, each: f32, vigor: &mut [f32]) {
         vigor.fill(0.0);
         for (node, data) in self.nodes.iter().enumerate().rev() {
@@ -239,7 +239,7 @@ impl Tree {
             shed.dedup();
         }
         if !self.releases.is_empty() && !shed.is_empty() {
-            // What bears buds that a cut has woken stays.
+            // Metamers that bear buds which a cut has woken stay.
             let mut bears = vec![false; self.nodes.len()];
             for release in &self.releases {
                 bears[self.index_of(release.node).unwrap_or_default()] = true;
@@ -388,7 +388,7 @@ impl Tree {
         if node == 0 { of(main) } else { of(main).saturating_add(of(lateral)) }
     }
 
-    /// Whether nothing is left of it: its trunk was shed or has broken, or it has starved without metamers beyond the
+    /// `true` if nothing is left of it: its trunk was shed or has broken, or it has starved without metamers beyond the
     /// period of grace. A seed that has vigor but no room waits.
     pub(super) fn is_gone(&self, habit: &Habit, season: u16) -> bool {
         let grace = habit.shedding.map_or(u16::MAX, |shedding| shedding.grace);

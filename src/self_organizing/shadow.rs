@@ -12,11 +12,11 @@ use crate::{ParameterError, parallel};
 use glam::{IVec3, Vec3};
 use std::sync::Arc;
 
-/// How many times as much the optimal direction weighs where nothing is seen of the sky.
+/// Factor on the weight of the optimal direction where nothing is seen of the sky.
 const URGE: f32 = 4.0;
 /// Cells farther away than so many are all as far.
 const FARTHEST: f32 = 1e9;
-/// So many nodes are given their cells at once.
+/// Number of nodes that are given their cells at once.
 const PART: usize = 1024;
 
 /// Light from above that fades below every node: step 1 of the text, first method.
@@ -38,7 +38,7 @@ const PART: usize = 1024;
 /// optimal direction turns to where it comes from, and the more it weighs, up to four times. That field covers the box and the obstacles around it, in about 2¹⁸
 /// cells at most, and is worked out once when obstacles are added.
 ///
-/// By default all of the sky is equally bright; [`Daylight`] adds the sun.
+/// All of the sky is equally bright by default; [`Daylight`] adds the sun.
 ///
 /// The powers are rounded to whole parts of a, so that sums are exact whatever their order: the grid after any
 /// growth, shedding and cutting is to the bit the one of the nodes that stand. The parts are 512 to 729, so that the
@@ -75,9 +75,9 @@ pub struct ShadowPropagation {
     sky: Option<Sky>,
     /// Obstacles that hide the sky from now on, until the field is worked out.
     pending: Option<Hiding>,
-    /// Whether a terrain is the ground instead of the bottom of the box.
+    /// `true` if a terrain is the ground instead of the bottom of the box.
     has_terrain: bool,
-    /// How many nodes stand where no grid can reach.
+    /// Number of nodes that stand where no grid can reach.
     lost: u64,
 }
 

@@ -168,12 +168,12 @@ impl<E: Environment> SelfOrganizing<E> {
         self.forest.environment_mut(change)
     }
 
-    /// What [`with_most_metamers`](Self::with_most_metamers) sets.
+    /// Greatest number of metamers; set by [`with_most_metamers`](Self::with_most_metamers).
     pub fn most_metamers(&self) -> usize {
         self.forest.most_metamers()
     }
 
-    /// What [`with_parts`](Self::with_parts) sets.
+    /// Number of parts of a season; set by [`with_parts`](Self::with_parts).
     pub fn parts(&self) -> u32 {
         self.forest.parts()
     }

@@ -7,7 +7,7 @@ use std::sync::Arc;
 
 /// About the most cells of the field.
 const MOST_CELLS: f32 = (1 << 18) as f32;
-/// How much of the sky can be seen from the cells of a box.
+/// Share of the sky that can be seen from the cells of a box.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Sky {
     low: Vec3,

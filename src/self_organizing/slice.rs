@@ -19,7 +19,7 @@ pub(super) struct Slice {
     /// The first cell in x and z, from the one below the caster.
     pub(super) x: i32,
     pub(super) z: i32,
-    /// How many rows in z.
+    /// Number of rows in z.
     pub(super) count: usize,
     pub(super) rows: Rows,
 }

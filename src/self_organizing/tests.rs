@@ -1,4 +1,4 @@
-//! What only the inside shows: light and vigor at each node.
+//! Tests of what only the inside shows: light and vigor at each node.
 
 use super::environment::{Bud, Environment};
 use super::room::Room;

@@ -18,7 +18,7 @@ pub(super) const DORMANT: u32 = u32::MAX - 2;
 /// In place of a main child: a shoot has ended in a flower there.
 pub(super) const FLOWER: u32 = u32::MAX - 3;
 
-/// Whether a child is a node, and neither a bud nor nothing.
+/// `true` if a child is a node, and neither a bud nor nothing.
 #[inline]
 pub(super) fn is_node(child: u32) -> bool {
     child < FLOWER
@@ -42,7 +42,7 @@ pub(super) struct Node {
     pub(super) number: u32,
     /// The season in which it appeared.
     pub(super) born: u16,
-    /// Where its lateral stands around the axis, in 256ths of a turn from the first vector of
+    /// Azimuth of its lateral around the axis, in 256ths of a turn from the first vector of
     /// [`Vec3::any_orthonormal_pair`] to the second; not used if laterals are scattered.
     #[cfg_attr(feature = "serde", serde(default))]
     pub(super) azimuth: u8,
@@ -173,7 +173,7 @@ impl Tree {
         self.nodes.iter().map(|node| node.count)
     }
 
-    /// Whether the metamer below each node bears leaves, by the text's rule: it begins at least `least_hops` nodes
+    /// For each node, `true` if the metamer below it bears leaves, by the text's rule: it begins at least `least_hops` nodes
     /// from the foot, and no branch that goes on from there carries `most_children` buds or more. The foot bears none, and
     /// neither does a dead tree.
     pub fn leafy(&self, most_children: u32, least_hops: u32) -> Vec<bool> {
@@ -255,7 +255,7 @@ impl Tree {
         }
     }
 
-    /// Whether `node`, which is not the foot, begins another axis than its parent's.
+    /// `true` if `node`, which is not the foot, begins another axis than its parent's.
     fn branches_off(&self, node: usize) -> bool {
         let parent = &self.nodes[self.nodes[node].parent as usize];
         parent.children[0] as usize != node && parent.children[0] != FLOWER
@@ -263,7 +263,7 @@ impl Tree {
 }
 
 impl Node {
-    /// Whether a bud of it lives or sleeps.
+    /// `true` if a bud of it lives or sleeps.
     #[cfg(feature = "serde")]
     pub(super) fn has_buds(&self) -> bool {
         self.children.iter().any(|&child| matches!(child, BUD | DORMANT))
