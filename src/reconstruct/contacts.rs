@@ -16,7 +16,7 @@ const LINKS: usize = 3;
 /// Rings at the end of a limb whose size tells how thick it is.
 const AT_END: usize = 5;
 
-/// How much thicker the end is that a limb is hung at, at least.
+/// Least ratio of the thicknesses of a limb's two ends for it to be hung at the other.
 const RATIO: f32 = 1.3;
 
 /// The rings' tree, as it is changed.
@@ -30,9 +30,9 @@ struct Forest<'a> {
 struct Way {
     /// Rings of the limb, the one at the meeting first.
     limb: Vec<u32>,
-    /// How thick the limb is at the other end, metres; infinite for a trunk.
+    /// Thickness of the limb at the other end, metres; infinite for a trunk.
     thick: f32,
-    /// Whether the path comes from another limb there.
+    /// `true` if the path comes from another limb there.
     turns: bool,
 }
 

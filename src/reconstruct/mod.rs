@@ -170,7 +170,7 @@ struct Start {
     base: Vec3,
     /// The place on the ground below, which is the root of the skeleton.
     foot: Vec3,
-    /// Whether the base was looked for, not given.
+    /// `true` if the base was looked for, not given.
     is_found: bool,
 }
 

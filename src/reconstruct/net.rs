@@ -7,6 +7,7 @@ use kiddo::SquaredEuclidean;
 
 use super::nodes::{Nodes, Tree};
 use crate::guided::{Edge, Graph, GraphError, GuidingRule, Step, WeightFn};
+use crate::nearest::nearest;
 use crate::parallel;
 
 /// Sets that are joined one by one.
@@ -184,7 +185,14 @@ impl WeightFn for Dear {
     }
 }
 
+/// For each of `asked` the nearest of `places`, of which there is at least one.
+pub(super) fn nearest_of(places: &[Vec3], asked: &[Vec3]) -> Vec<u32> {
+    let wide = |places: &[Vec3]| places.iter().map(|place| place.as_dvec3()).collect::<Vec<_>>();
+    nearest(&wide(places), &wide(asked))
+}
+
 /// The nodes, then a root for each base: linked to the nodes around it in the lowest part of its trunk, or to the nearest.
+/// O(n log b) for n nodes and b bases.
 pub(super) fn graph(
     nodes: &Nodes,
     edges: &[(u32, u32)],
@@ -193,27 +201,27 @@ pub(super) fn graph(
 ) -> Result<Graph, GraphError> {
     let mut positions = nodes.positions.clone();
     let mut all: Vec<(u32, u32)> = edges.iter().chain(bridges).copied().collect();
-    for (number, &base) in bases.iter().enumerate() {
+    // The nodes that are nearer to a base than to any other.
+    let mut own: Vec<Vec<(u32, Vec3)>> = vec![Vec::new(); bases.len()];
+    let of = nearest_of(bases, &nodes.positions);
+    for ((node, &place), base) in (0_u32..).zip(&nodes.positions).zip(of) {
+        own[base as usize].push((node, place));
+    }
+    for (&base, own) in bases.iter().zip(&own) {
         let root = positions.len() as u32;
-        let own = |place: Vec3| {
-            let far = place.distance_squared(base);
-            bases.iter().enumerate().all(|(i, other)| i == number || far < place.distance_squared(*other))
-        };
-        let own: Vec<(u32, Vec3)> =
-            (0_u32..).zip(nodes.positions.iter().copied()).filter(|node| own(node.1)).collect();
-        let nearest = own.iter().map(|node| node.1.distance(base)).fold(f32::INFINITY, f32::min);
+        let least = own.iter().map(|node| node.1.distance(base)).fold(f32::INFINITY, f32::min);
         // For the case that a node lies in the very place of the base.
-        let base = if nearest < 1e-5 { base - Vec3::Y * 0.5 * nodes.side } else { base };
+        let base = if least < 1e-5 { base - Vec3::Y * 0.5 * nodes.side } else { base };
         // All of the trunk's lowest ring: what lies no higher than a hand, and within what no trunk is wider than.
         let slab = base.y + 8.0 * nodes.side;
         let low = own.iter().filter(|node| node.1.y <= slab);
         let mut flat: Vec<f32> = low.map(|node| node.1.with_y(base.y).distance(base)).collect();
         let half = flat.len() / 2;
         let wide = if flat.is_empty() { 0.0 } else { *flat.select_nth_unstable_by(half, f32::total_cmp).1 };
-        let reach = (2.0 * wide).min(3.0).max(4.0 * nodes.side).max(nearest * 1.01);
+        let reach = (2.0 * wide).min(3.0).max(4.0 * nodes.side).max(least * 1.01);
         let around = own.iter().filter(|(_, place)| {
-            place.y <= slab.max(base.y + nearest) && place.distance(base) <= reach
-                || place.distance(base) <= nearest
+            place.y <= slab.max(base.y + least) && place.distance(base) <= reach
+                || place.distance(base) <= least
         });
         all.extend(around.map(|node| (node.0, root)));
         positions.push(base);

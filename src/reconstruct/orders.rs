@@ -7,7 +7,7 @@ use crate::{Skeleton, math};
 const NEAR: f32 = 1.5;
 const FAR: f32 = 10.0;
 const LEAST: f32 = 0.1;
-/// How much straightness (a cosine) and the logarithm of the length borne count. Logistic regression on
+/// Weights of straightness (a cosine) and of the logarithm of the length borne. Logistic regression on
 /// forks of ten species of the bench.
 const STRAIGHT: f32 = 6.4;
 const BORNE: f32 = 0.17;

@@ -120,11 +120,15 @@ impl Reconstruct {
         let bases: Vec<Vec3> = starts.iter().map(|start| start.base).collect();
         let owners = self.owners(cloud.len(), &nodes, edges, &bases)?;
         drop(nodes);
+        let mut points: Vec<Vec<u32>> = vec![Vec::new(); starts.len()];
+        for (point, owner) in (0_u32..).zip(&owners) {
+            if let Some(owner) = owner {
+                points[*owner as usize].push(point);
+            }
+        }
         let mut trees = Vec::with_capacity(starts.len());
-        for (number, &start) in (0_u32..).zip(starts) {
-            let own: Vec<u32> =
-                (0..).zip(&owners).filter(|point| *point.1 == Some(number)).map(|point| point.0).collect();
-            let nodes = self.nodes(cloud.points(), &own, MOST_NODES)?;
+        for (&start, own) in starts.iter().zip(&points) {
+            let nodes = self.nodes(cloud.points(), own, MOST_NODES)?;
             let edges = net::edges(&nodes);
             trees.push(self.tree(cloud, &nodes, &edges, start, 0)?);
         }
@@ -139,11 +143,7 @@ impl Reconstruct {
         edges: &[(u32, u32)],
         bases: &[Vec3],
     ) -> Result<Vec<Option<u32>>, ReconstructError> {
-        let nearest = |base: &Vec3| {
-            let far = |node: u32| nodes.positions[node as usize].distance_squared(*base);
-            (0..nodes.len() as u32).min_by(|&a, &b| far(a).total_cmp(&far(b)))
-        };
-        let from: Vec<u32> = bases.iter().filter_map(nearest).collect();
+        let from = net::nearest_of(&nodes.positions, bases);
         let bridges = net::bridges(nodes, edges, self.gap, &from);
         let graph = net::graph(nodes, edges, &bridges, bases)?;
         let mut search = Search::new(&graph);
