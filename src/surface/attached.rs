@@ -248,15 +248,8 @@ mod tests {
         for stand in presets::stands() {
             let mut forest = stand.plant(stand.seed).expect("a preset");
             forest.grow(stand.seasons.min(12)).expect("seasons");
-            let (trees, options) = (forest.skeletons().expect("skeletons"), Tubes::default().with_sides(6));
-            if stand.name == "stand-peacock" {
-                // Of 22,061 one floats by half a millimetre, a twig 3 mm thick that turns on the spot.
-                let all: Vec<Gap> = trees.iter().flat_map(|tree| gaps(tree, &options)).collect();
-                let floating: Vec<&Gap> = all.iter().filter(|gap| gap.floats()).collect();
-                assert!(floating.len() <= 1 && floating.iter().all(|gap| gap.width < 1e-3), "{floating:?}");
-                continue;
-            }
-            check(stand.name, &trees, &options);
+            let trees = forest.skeletons().expect("skeletons");
+            check(stand.name, &trees, &Tubes::default().with_sides(6));
         }
     }
 

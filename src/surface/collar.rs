@@ -255,7 +255,7 @@ pub(super) fn curves(axes: &Axes, circles: &Circles, axis: &Axis, curves: &mut V
         for (lane, near) in nears.iter().enumerate() {
             let place = bearing.wood.place(outer[lane], near.place.ring);
             let round = if near.radius > 0.0 { around[lane] / near.radius } else { 0.0 };
-            let depth = sunk.min(bearing.deepest(place));
+            let depth = bearing.depth(place, sunk);
             let turns = (atan2(turned[0][lane], turned[1][lane]) + round) / TAU;
             (feet[lane], foot_normals[lane]) = bearing.surface(place, turns, depth);
             places[lane] = (place, turns);
@@ -273,6 +273,8 @@ pub(super) fn curves(axes: &Axes, circles: &Circles, axis: &Axis, curves: &mut V
 /// The wood around the place where a branch springs, and the corners of its rings.
 struct Bearing<'a> {
     wood: Wood<'a>,
+    /// `true` if it begins with a collar itself, between its first two rings.
+    has_collar: bool,
     /// First node of the branch.
     base: Near,
     circle: &'a [[f32; 2]],
@@ -281,7 +283,8 @@ struct Bearing<'a> {
 impl<'a> Bearing<'a> {
     fn new(axes: &'a Axes, circles: &'a Circles, (axis, station): (usize, usize), base: Vec3) -> Self {
         let wood = axes.wood(axis);
-        Self { wood, base: wood.near(base, station), circle: &circles.of(axes.all[axis].sides).corners }
+        let Axis { has_collar, sides, .. } = axes.all[axis];
+        Self { wood, has_collar, base: wood.near(base, station), circle: &circles.of(sides).corners }
     }
 
     fn exit(&self, way: &Way, start: Vec3, guess: f32) -> (f32, Near) {
@@ -292,11 +295,15 @@ impl<'a> Bearing<'a> {
         self.wood.surface(self.circle, place, turns, depth)
     }
 
-    /// Greatest depth of a collar at a place. Between rings that are oblique to each other the
-    /// parent branch is thin.
-    fn deepest(&self, place: Place) -> f32 {
+    /// Depth at a place of a base that is to be sunk this far. Within its own collar the parent branch may be
+    /// thin, and so it is between rings that are oblique to each other.
+    fn depth(&self, place: Place, sunk: f32) -> f32 {
+        let radius = self.wood.radius(place);
+        if self.has_collar && place.ring == 0 {
+            return CORE * radius;
+        }
         let (below, above) = self.wood.around(place);
-        DEEPEST * self.wood.radius(place) * below.tangent.dot(above.tangent).max(0.0)
+        sunk.min(DEEPEST * radius * below.tangent.dot(above.tangent).max(0.0))
     }
 
     /// The directions of the axis at some places, those in which rings begin there, and how it tapers.
