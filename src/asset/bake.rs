@@ -5,7 +5,7 @@ use super::skin::Skin;
 use crate::math;
 use crate::observer::Watch;
 use crate::surface::{Instance, Mesh};
-use glam::{Mat3, Vec2, Vec3};
+use glam::{Mat3, Vec2, Vec3, Vec4};
 use std::borrow::Cow;
 
 /// Axes of the view: it looks along -`toward`, which is `right` x `up`; all three of length 1.
@@ -51,8 +51,8 @@ pub(super) struct Drawn<'a> {
 /// The nearest surface at one point of the picture.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Sample {
-    /// Toward the viewer, metres from the view's centre; minus infinity where there is nothing.
-    pub(super) depth: f32,
+    /// The number of what was drawn there, in the order of drawing.
+    pub(super) drawn: u32,
     pub(super) color: [f32; 3],
     /// Normal in the view's frame.
     pub(super) normal: Vec3,
@@ -60,15 +60,32 @@ pub(super) struct Sample {
     pub(super) layers: f32,
 }
 
+/// Knowledge that is asked for at each point of a picture; the less, the faster.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Wanted {
+    /// There is something.
+    Cover,
+    /// The nearest surface.
+    Surface,
+    /// The nearest surface and the layers behind it.
+    Layers,
+}
+
 /// A picture in the making.
 #[derive(Debug)]
 pub(super) struct Raster {
     view: View,
+    wanted: Wanted,
     width: usize,
     height: usize,
     /// Points along each side of a pixel.
     samples: usize,
+    /// What has been drawn so far.
+    drawn: u32,
     all: Vec<Sample>,
+    /// For each point the distance of the nearest surface from the view's centre toward the viewer, metres; minus
+    /// infinity where there is nothing, infinity where no other is asked for. Three more, since four are read at a time.
+    depths: Vec<f32>,
 }
 
 /// A finished picture; rows from the top.
@@ -110,14 +127,42 @@ struct Corner {
 /// Points of a picture: 32 bytes each.
 const MOST_POINTS: usize = 1 << 24;
 
+/// Width of triangles in points up to which all points of their boxes are tried.
+const NARROW: usize = 8;
+
+/// The columns from `left` up to `right` between which a triangle lies in the row at height `y`, rather one more on either
+/// side.
+fn span(corners: [Vec2; 3], y: f32, left: usize, right: usize) -> (usize, usize) {
+    let (mut low, mut high) = (f32::INFINITY, f32::NEG_INFINITY);
+    for i in 0..3 {
+        let (from, to) = (corners[i], corners[(i + 1) % 3]);
+        if from.y != to.y && (from.y <= y || to.y <= y) && (from.y >= y || to.y >= y) {
+            let x = from.x + (to.x - from.x) * ((y - from.y) / (to.y - from.y));
+            (low, high) = (low.min(x), high.max(x));
+        }
+    }
+    // Negative numbers become 0, and what is not in the triangle an empty span.
+    (((low - 1.5) as usize).max(left), ((high + 1.5) as usize).min(right))
+}
+
 impl Raster {
     /// A picture of `width` x `height` pixels with `samples` x `samples` points in each, or fewer where that
     /// would be more than [`MOST_POINTS`].
-    pub(super) fn new(view: View, width: usize, height: usize, samples: usize) -> Self {
+    pub(super) fn new(view: View, [width, height]: [usize; 2], samples: usize, wanted: Wanted) -> Self {
         let fits = |samples: &usize| width * height * samples * samples <= MOST_POINTS;
         let samples = (1..=samples).rev().find(fits).unwrap_or(1);
-        let nothing = Sample { depth: f32::NEG_INFINITY, color: [0.0; 3], normal: Vec3::ZERO, layers: 0.0 };
-        Self { view, width, height, samples, all: vec![nothing; width * height * samples * samples] }
+        let nothing = Sample { drawn: 0, color: [0.0; 3], normal: Vec3::ZERO, layers: 0.0 };
+        let points = width * height * samples * samples;
+        Self {
+            view,
+            wanted,
+            width,
+            height,
+            samples,
+            drawn: 0,
+            all: vec![nothing; points],
+            depths: vec![f32::NEG_INFINITY; points + 3],
+        }
     }
 
     /// Adds what is drawn, a step for 20 triangles. O(triangles + points that they cover).
@@ -144,6 +189,7 @@ impl Raster {
                 self.triangle(drawn, &corners, triangle, tint, turned);
             }
         }
+        self.drawn += 1;
     }
 
     fn triangle(
@@ -171,52 +217,72 @@ impl Raster {
         if left >= right || top >= bottom {
             return;
         }
-        let texture = drawn.skin.map(|skin| skin.on(drawn.mesh, triangle, area.abs()));
+        let mut texture = None;
         let inverse = 1.0 / area;
+        // Four points of a row at a time.
         for row in top..bottom {
-            for column in left..right {
-                let point = Vec2::new(column as f32 + 0.5, row as f32 + 0.5);
-                let u = (b.at - point).perp_dot(c.at - point) * inverse;
-                let v = (c.at - point).perp_dot(a.at - point) * inverse;
+            let y = row as f32 + 0.5;
+            let [ay, by, cy] = [a, b, c].map(|corner| corner.at.y - y);
+            let (left, right) =
+                if right - left > NARROW { span([a.at, b.at, c.at], y, left, right) } else { (left, right) };
+            for start in (left..right).step_by(4) {
+                let x = Vec4::splat(start as f32) + Vec4::new(0.5, 1.5, 2.5, 3.5);
+                let [ax, bx, cx] = [a, b, c].map(|corner| Vec4::splat(corner.at.x) - x);
+                let u = (bx * cy - by * cx) * inverse;
+                let v = (cx * ay - cy * ax) * inverse;
                 let w = 1.0 - u - v;
-                if u < 0.0 || v < 0.0 || w < 0.0 {
-                    continue;
-                }
-                let texel = match &texture {
-                    Some(texture) => match texture.at(u, v, w) {
-                        Some(texel) => Some(texel),
-                        None => continue,
-                    },
-                    None => None,
-                };
-                let sample = &mut self.all[row * columns + column];
-                sample.layers += drawn.layers;
-                let depth = a.depth * u + b.depth * v + c.depth * w;
-                if depth <= sample.depth {
-                    continue;
-                }
-                sample.depth = depth;
-                // Most triangles of a dense model hide no point: only those that do need normals.
-                let [of_a, of_b, of_c] = triangle.map(|corner| turned * drawn.mesh.normals[corner as usize]);
-                let mut normal = of_a * u + of_b * v + of_c * w;
-                sample.color = tint;
-                if !drawn.mesh.colors.is_empty() {
-                    let [a, b, c] = triangle.map(|corner| drawn.mesh.colors[corner as usize]);
-                    for i in 0..3 {
-                        sample.color[i] *= a[i] * u + b[i] * v + c[i] * w;
+                let inside = u.cmpge(Vec4::ZERO) & v.cmpge(Vec4::ZERO) & w.cmpge(Vec4::ZERO);
+                let depths = a.depth * u + b.depth * v + c.depth * w;
+                let at = row * columns + start;
+                let is_nearer = depths.cmpgt(Vec4::from_slice(&self.depths[at..]));
+                let asked = if self.wanted == Wanted::Layers { inside } else { inside & is_nearer };
+                let mut lanes = asked.bitmask() & ((1 << (right - start).min(4)) - 1);
+                while lanes != 0 {
+                    let lane = lanes.trailing_zeros() as usize;
+                    lanes &= lanes - 1;
+                    let (u, v, w) = (u[lane], v[lane], w[lane]);
+                    let place = drawn.skin.map(|skin| {
+                        let on = texture.get_or_insert_with(|| skin.on(drawn.mesh, triangle, area.abs()));
+                        (&*on, on.place(u, v, w))
+                    });
+                    if place.as_ref().is_some_and(|(on, place)| on.is_hole(place)) {
+                        continue;
                     }
-                }
-                if let Some(texel) = texel {
-                    for i in 0..3 {
-                        sample.color[i] *= texel.color[i];
+                    if self.wanted == Wanted::Cover {
+                        self.depths[at + lane] = f32::INFINITY;
+                        continue;
                     }
-                    if let Some(tangent) = texel.tangent {
-                        let across = turned * tangent.truncate();
-                        let up = normal.cross(across) * tangent.w;
-                        normal = across * texel.normal.x + up * texel.normal.y + normal * texel.normal.z;
+                    let sample = &mut self.all[at + lane];
+                    sample.layers += drawn.layers;
+                    if !is_nearer.test(lane) {
+                        continue;
                     }
+                    self.depths[at + lane] = depths[lane];
+                    sample.drawn = self.drawn;
+                    // Most triangles of a dense model hide no point: only those that do need normals.
+                    let [of_a, of_b, of_c] =
+                        triangle.map(|corner| turned * drawn.mesh.normals[corner as usize]);
+                    let mut normal = of_a * u + of_b * v + of_c * w;
+                    sample.color = tint;
+                    if !drawn.mesh.colors.is_empty() {
+                        let [a, b, c] = triangle.map(|corner| drawn.mesh.colors[corner as usize]);
+                        for i in 0..3 {
+                            sample.color[i] *= a[i] * u + b[i] * v + c[i] * w;
+                        }
+                    }
+                    if let Some((on, place)) = &place {
+                        let texel = on.texel(place);
+                        for i in 0..3 {
+                            sample.color[i] *= texel.color[i];
+                        }
+                        if let Some(tangent) = texel.tangent {
+                            let across = turned * tangent.truncate();
+                            let up = normal.cross(across) * tangent.w;
+                            normal = across * texel.normal.x + up * texel.normal.y + normal * texel.normal.z;
+                        }
+                    }
+                    sample.normal = if is_back { -normal } else { normal }.normalize_or_zero();
                 }
-                sample.normal = if is_back { -normal } else { normal }.normalize_or_zero();
             }
         }
     }
@@ -226,14 +292,15 @@ impl Raster {
         let mut pixels = vec![Pixel::default(); self.width * self.height];
         let columns = self.width * self.samples;
         let share = 1.0 / (self.samples * self.samples) as f32;
-        for (i, sample) in self.all.iter().enumerate().filter(|(_, sample)| sample.depth.is_finite()) {
+        let points = self.all.iter().zip(&self.depths).enumerate();
+        for (i, (sample, &depth)) in points.filter(|(_, (_, depth))| **depth > f32::NEG_INFINITY) {
             let (row, column) = (i / columns / self.samples, i % columns / self.samples);
             let pixel = &mut pixels[row * self.width + column];
             let color = shade(sample);
             (0..3).for_each(|i| pixel.color[i] += color[i] * share);
             pixel.cover += share;
             pixel.normal += sample.normal;
-            pixel.depth += sample.depth * share;
+            pixel.depth += depth * share;
             pixel.layers += sample.layers * share;
         }
         for pixel in pixels.iter_mut().filter(|pixel| pixel.cover > 0.0) {

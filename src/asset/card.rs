@@ -1,7 +1,7 @@
 //! Twigs as crossed pictures.
 
 use super::atlas::Grid;
-use super::bake::{Baked, Drawn, Raster, View};
+use super::bake::{Baked, Drawn, Raster, View, Wanted};
 use super::cluster::{Cluster, Leaf};
 use super::leaf::Dress;
 use super::twig::{self, Wood};
@@ -115,7 +115,7 @@ impl Source<'_> {
                 half,
             };
             let side = grid.cell - 2 * super::atlas::PADDING;
-            let mut raster = Raster::new(view, side, side, SAMPLES);
+            let mut raster = Raster::new(view, [side; 2], SAMPLES, Wanted::Layers);
             for (dress, copies) in self.dresses.iter().zip(&copies) {
                 raster.draw(
                     &Drawn {

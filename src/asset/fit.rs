@@ -1,10 +1,11 @@
 //! Cards as large, as dense and in such colours that a level looks like the dense model.
 
 use super::atlas::{self, Grid};
-use super::bake::Baked;
+use super::bake::{Baked, Sample, Wanted};
 use super::card::{self, Kind};
 use super::cluster::Cluster;
 use super::measure::{self, Frame, Tally, draw, drawn, lit, skins};
+use super::skin::Skin;
 use super::{Asset, AssetError};
 use crate::observer::Watch;
 use crate::parallel;
@@ -27,6 +28,8 @@ pub(super) const THICKER: (f32, f32) = (0.2, 4.0);
 pub(super) const TWIGS_THICKER: (f32, f32) = (1.0, 4.0);
 /// Range of the factor on the colours of cards.
 const GAIN: (f32, f32) = (0.6, 1.6);
+/// Slowest growth of the cover with the size of cards that a step reckons with.
+const SLOWEST: f32 = 0.2;
 /// Cover that is no more off than this is right.
 const NEAR: f64 = 0.004;
 
@@ -43,38 +46,79 @@ pub(super) struct Look {
 impl Look {
     /// The look of a model of triangles without holes, whose cover is the same at every size.
     pub(super) fn of(parts: &[Part<'_>], watch: &Watch<'_>) -> Result<Self, AssetError> {
-        let look = Self::at(parts, Frame::of(parts, MEASURED.1 as usize)?, watch);
+        let frame = Frame::of(parts, MEASURED.1 as usize)?;
+        let [seen] = seen(parts, &skins(parts), frame, Wanted::Surface, [&lit], watch);
         watch.pass(0)?;
-        Ok(look)
+        Ok(Self { frame, cover: seen.cover * area(frame), color: seen.color() })
     }
 
-    /// The look in pictures of this size.
-    fn at(parts: &[Part<'_>], frame: Frame, watch: &Watch<'_>) -> Self {
-        let skins = skins(parts);
-        let drawn = drawn(parts, &skins);
-        let times = frame.times();
-        let each = parallel::map(VIEWS.len() * times, |i| {
-            let (yaw, lift) = VIEWS[i / times];
-            let view = frame.view_beside(yaw, lift, i % times);
-            Tally::of(&draw(&drawn, view, [frame.width, frame.height], POINTS, watch).finish(lit))
-        });
-        let mut sum = Tally::default();
-        for tally in &each {
-            sum.add(tally);
-        }
-        let side = f64::from(frame.pixel());
-        let area = side * side / times as f64;
-        Self { frame, cover: sum.cover * area, color: sum.color() }
+    /// The area that a model covers more than this look's, as a share of that, in pictures in which the look's
+    /// model is `pixels` pixels high.
+    fn excess(
+        &self,
+        parts: &[Part<'_>],
+        skins: &[Option<Skin>],
+        pixels: usize,
+        watch: &Watch<'_>,
+    ) -> Result<f64, AssetError> {
+        let frame = self.frame.at(pixels);
+        let [seen] = seen(parts, skins, frame, Wanted::Cover, [&lit], watch);
+        watch.pass(0)?;
+        Ok(seen.cover * area(frame) / self.cover.max(1e-12) - 1.0)
     }
 
-    /// Compares a model, `parts`, with this look in pictures in which the look's model is `pixels` pixels
-    /// high: the area that it covers more, as a share of this look's, and the factor that takes its colour to
-    /// this look's.
-    fn beside(&self, parts: &[Part<'_>], pixels: usize, watch: &Watch<'_>) -> (f64, [f32; 3]) {
-        let now = Self::at(parts, self.frame.at(pixels), watch);
-        let gain = [0, 1, 2].map(|i| self.color[i] / now.color[i].max(1e-6));
-        (now.cover / self.cover.max(1e-12) - 1.0, gain)
+    /// The factor on the colours of the last `cards` parts of a model, within [`GAIN`], that takes its colour to this
+    /// look's, in pictures in which the look's model is `pixels` pixels high.
+    fn gain(
+        &self,
+        parts: &[Part<'_>],
+        cards: usize,
+        pixels: usize,
+        watch: &Watch<'_>,
+    ) -> Result<[f32; 3], AssetError> {
+        let first = parts.len() - cards;
+        let of_cards = |sample: &Sample| if sample.drawn as usize >= first { lit(sample) } else { [0.0; 3] };
+        let frame = self.frame.at(pixels);
+        let seen = seen(parts, &skins(parts), frame, Wanted::Surface, [&lit, &of_cards], watch);
+        watch.pass(0)?;
+        let [all, of_cards] = seen.map(|tally| tally.color());
+        // Cards alone change colour, not what else is seen: so once more. The whole way would make cards that are seen
+        // less from farther off stand for the colour of wood.
+        let toward = |i: usize, gain: f32| {
+            let now = all[i] + (gain - 1.0) * of_cards[i];
+            (gain * self.color[i] / now.max(1e-6)).clamp(GAIN.0, GAIN.1)
+        };
+        Ok([0, 1, 2].map(|i| toward(i, toward(i, 1.0))))
     }
+}
+
+/// Square metres of a covered pixel in one direction, where small pictures are drawn several times.
+fn area(frame: Frame) -> f64 {
+    let side = f64::from(frame.pixel());
+    side * side / frame.times() as f64
+}
+
+/// What is seen of a model from all directions together, with the colours that each of `shades` makes.
+fn seen<const N: usize>(
+    parts: &[Part<'_>],
+    skins: &[Option<Skin>],
+    frame: Frame,
+    wanted: Wanted,
+    shades: [&(dyn Fn(&Sample) -> [f32; 3] + Sync); N],
+    watch: &Watch<'_>,
+) -> [Tally; N] {
+    let (drawn, times) = (drawn(parts, skins), frame.times());
+    let each = parallel::map(VIEWS.len() * times, |i| {
+        let (yaw, lift) = VIEWS[i / times];
+        let view = frame.view_beside(yaw, lift, i % times);
+        let raster = draw(&drawn, view, [frame.width, frame.height], POINTS, wanted, watch);
+        shades.map(|shade| Tally::of(&raster.finish(shade)))
+    });
+    let mut sums = [Tally::default(); N];
+    for tallies in &each {
+        sums.iter_mut().zip(tallies).for_each(|(sum, tally)| sum.add(tally));
+    }
+    sums
 }
 
 /// Cards before it is known how large they are.
@@ -103,14 +147,14 @@ impl Cards<'_> {
         let Some(look) = look()? else { return Ok(()) };
         // The size at which it is to be used: there the error of the bark is a pixel.
         let pixels = asset.pixels(height).clamp(MEASURED.0, MEASURED.1) as usize;
-        let beside = |asset: &Asset| -> Result<(f64, [f32; 3]), AssetError> {
-            let found = look.beside(&asset.parts(), pixels, self.watch);
-            self.watch.pass(0)?;
-            Ok(found)
-        };
+        // Images stay while sizes change.
+        let worn = skins(&asset.parts());
+        let excess = |asset: &Asset| look.excess(&asset.parts(), &worn, pixels, self.watch);
         let (mut larger, (mut low, mut high)) = (1.0f32, LARGER);
-        let (mut off, mut gain) = beside(asset)?;
-        let mut best = (off, gain, larger);
+        let mut off = excess(asset)?;
+        let mut best = (off, larger);
+        // Cover grows about as the size does, for cards hide each other; from the second step on as it has been seen to.
+        let mut slope = 1.0;
         for _ in 0..7 {
             if off.abs() < NEAR {
                 break;
@@ -120,19 +164,20 @@ impl Cards<'_> {
             } else {
                 low = larger;
             }
-            // Cover grows about as the size does, for cards hide each other.
-            let next = larger * (1.0 - off as f32);
+            let before = (off, larger);
+            let next = larger - off as f32 / slope;
             larger = if next > low && next < high { next } else { 0.5 * (low + high) };
             self.place(asset, larger);
-            (off, gain) = beside(asset)?;
+            off = excess(asset)?;
+            slope = ((off - before.0) as f32 / (larger - before.1)).max(SLOWEST);
             if off.abs() < best.0.abs() {
-                best = (off, gain, larger);
+                best = (off, larger);
             }
         }
-        (off, gain, larger) = best;
+        (off, larger) = best;
         self.place(asset, larger);
         let (mut thicker, (mut low, mut high)) = (1.0f32, self.thicker);
-        let mut best = (off, gain, thicker);
+        let mut best = (off, thicker);
         for _ in 0..6 {
             if off.abs() < 3.0 * NEAR {
                 break;
@@ -147,22 +192,17 @@ impl Cards<'_> {
             }
             thicker = (low * high).sqrt();
             self.dress(asset, thicker, [1.0; 3])?;
-            (off, gain) = beside(asset)?;
+            off = look.excess(&asset.parts(), &skins(&asset.parts()), pixels, self.watch)?;
             if off.abs() < best.0.abs() {
-                best = (off, gain, thicker);
+                best = (off, thicker);
             }
         }
-        (_, gain, thicker) = best;
-        // Cards alone change colour, not what else is seen: so once more.
-        let mut all = [1.0f32; 3];
-        for round in 0..2 {
-            all = [0, 1, 2].map(|i| (all[i] * gain[i]).clamp(GAIN.0, GAIN.1));
-            self.dress(asset, thicker, all)?;
-            if round == 0 {
-                (_, gain) = beside(asset)?;
-            }
+        if best.1 != thicker {
+            self.dress(asset, best.1, [1.0; 3])?;
         }
-        Ok(())
+        let cards = asset.cards.iter().filter(|piece| !piece.instances.is_empty()).count();
+        let gain = look.gain(&asset.parts(), cards, pixels, self.watch)?;
+        self.dress(asset, best.1, gain)
     }
 
     fn place(&self, asset: &mut Asset, larger: f32) {

@@ -1,7 +1,7 @@
 //! A whole tree as a few pictures.
 
 use super::atlas::{self, Grid, PADDING};
-use super::bake::{Baked, Pixel, View};
+use super::bake::{Baked, Pixel, View, Wanted};
 use super::builder::check_side;
 use super::fit::THICKER;
 use super::measure::{Frame, Tally, bounds, draw, drawn, lit, reach, skins};
@@ -134,7 +134,8 @@ impl Impostor {
         let skins = skins(parts);
         let drawn = drawn(parts, &skins);
         let pictures = parallel::map(views.len(), |i| {
-            let mut baked = draw(&drawn, views[i], [side; 2], SAMPLES, &watch).finish(|sample| sample.color);
+            let mut baked = draw(&drawn, views[i], [side; 2], SAMPLES, Wanted::Layers, &watch)
+                .finish(|sample| sample.color);
             if i < self.planes as usize {
                 baked.pixels.iter_mut().for_each(|pixel| pixel.normal = upright(pixel.normal));
             }
@@ -152,7 +153,9 @@ impl Impostor {
             let each = parallel::map(4 * times, |i| {
                 let yaw = 0.3 + (i / times) as f32 / 4.0 * TAU;
                 let view = frame.view_beside(yaw, 0.1, i % times);
-                Tally::of(&draw(&drawn, view, [frame.width, frame.height], 2, &watch).finish(lit))
+                Tally::of(
+                    &draw(&drawn, view, [frame.width, frame.height], 2, Wanted::Surface, &watch).finish(lit),
+                )
             });
             let mut sum = Tally::default();
             for tally in &each {
@@ -236,7 +239,8 @@ impl Impostor {
         let drawn = drawn(parts, &skins);
         let cells = parallel::map(grid * grid, |number| {
             let view = hemisphere(number % grid, number / grid, grid, center, radius);
-            let mut baked = draw(&drawn, view, [side; 2], 2, &watch).finish(|sample| sample.color);
+            let mut baked =
+                draw(&drawn, view, [side; 2], 2, Wanted::Layers, &watch).finish(|sample| sample.color);
             for pixel in &mut baked.pixels {
                 let normal = pixel.normal;
                 pixel.normal = view.right * normal.x + view.up * normal.y + view.toward * normal.z;

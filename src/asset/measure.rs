@@ -1,7 +1,7 @@
 //! Likeness of two models of a tree.
 
 use super::AssetError;
-use super::bake::{Baked, Drawn, Raster, Sample, View};
+use super::bake::{Baked, Drawn, Raster, Sample, View, Wanted};
 use super::skin::Skin;
 use crate::math;
 use crate::observer::Watch;
@@ -55,8 +55,15 @@ impl Likeness {
             let yaw = (i / times) as f32 / 4.0 * TAU + 0.3;
             let view = frame.view_beside(yaw, 0.12, i % times);
             let [ours, theirs] = [(model, &ours), (full, &theirs)].map(|(parts, skins)| {
-                draw(&drawn(parts, skins), view, [frame.width, frame.height], SAMPLES, &Watch::silent())
-                    .finish(lit)
+                draw(
+                    &drawn(parts, skins),
+                    view,
+                    [frame.width, frame.height],
+                    SAMPLES,
+                    Wanted::Surface,
+                    &Watch::silent(),
+                )
+                .finish(lit)
             });
             (Tally::of(&ours), Tally::of(&theirs), ssim(&ours, &theirs))
         });
@@ -91,7 +98,8 @@ pub fn portrait(parts: &[Part<'_>], yaw: f32, lift: f32, pixels: u32) -> Result<
     let skins = skins(parts);
     let view = frame.view(yaw, lift);
     let baked =
-        draw(&drawn(parts, &skins), view, [frame.width, frame.height], 3, &Watch::silent()).finish(lit);
+        draw(&drawn(parts, &skins), view, [frame.width, frame.height], 3, Wanted::Surface, &Watch::silent())
+            .finish(lit);
     let tones = Tones::new();
     let bytes = baked
         .pixels
@@ -156,11 +164,12 @@ pub(super) fn drawn<'a>(parts: &[Part<'a>], skins: &'a [Option<Skin>]) -> Vec<Dr
 pub(super) fn draw(
     drawn: &[Drawn<'_>],
     view: View,
-    [width, height]: [usize; 2],
+    size: [usize; 2],
     samples: usize,
+    wanted: Wanted,
     watch: &Watch<'_>,
 ) -> Raster {
-    let mut raster = Raster::new(view, width, height, samples);
+    let mut raster = Raster::new(view, size, samples, wanted);
     for drawn in drawn {
         raster.draw(drawn, watch);
     }

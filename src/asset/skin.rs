@@ -65,28 +65,43 @@ impl Skin {
 }
 
 impl SkinOn<'_> {
-    /// Surface at the point with these barycentric coordinates; nothing in a hole.
+    /// The place on the images with these barycentric coordinates.
     #[inline]
-    pub(super) fn at(&self, u: f32, v: f32, w: f32) -> Option<Texel> {
+    pub(super) fn place(&self, u: f32, v: f32, w: f32) -> Place {
         let uv = self.uvs[0] * u + self.uvs[1] * v + self.uvs[2] * w;
+        Place { uv, near: self.skin.color.get(self.level).map(|image| Near::new(image, uv)) }
+    }
+
+    /// `true` if there is a hole.
+    #[inline]
+    pub(super) fn is_hole(&self, place: &Place) -> bool {
+        let (Some(cutoff), Some(near)) = (self.skin.cutoff, &place.near) else { return false };
+        let bytes = self.skin.color[self.level].bytes();
+        near.mean(|at| f32::from(bytes[at + 3])) < cutoff * 255.0
+    }
+
+    /// The surface there.
+    #[inline]
+    pub(super) fn texel(&self, place: &Place) -> Texel {
         let mut texel = Texel { color: [1.0; 3], normal: Vec3::Z, tangent: self.tangent };
-        if let Some(image) = self.skin.color.get(self.level) {
-            let (near, bytes) = (Near::new(image, uv), image.bytes());
-            if let Some(cutoff) = self.skin.cutoff
-                && near.mean(|at| f32::from(bytes[at + 3])) < cutoff * 255.0
-            {
-                return None;
-            }
-            let linear = &self.skin.linear;
+        if let Some(near) = &place.near {
+            let (linear, bytes) = (&self.skin.linear, self.skin.color[self.level].bytes());
             texel.color = [0, 1, 2].map(|i| near.mean(|at| linear[usize::from(bytes[at + i])]));
         }
         if let Some(image) = self.skin.normal.get(self.level.min(self.skin.normal.len().max(1) - 1)) {
-            let (near, bytes) = (Near::new(image, uv), image.bytes());
+            let (near, bytes) = (Near::new(image, place.uv), image.bytes());
             let mean = [0, 1, 2].map(|i| near.mean(|at| f32::from(bytes[at + i])) / 127.5 - 1.0);
             texel.normal = Vec3::from_array(mean);
         }
-        Some(texel)
+        texel
     }
+}
+
+/// A place on the images of a skin.
+pub(super) struct Place {
+    uv: Vec2,
+    /// Among the colours, if there are any.
+    near: Option<Near>,
 }
 
 /// The four texels about a point, where each begins among the image's bytes, and how near it is.
@@ -100,19 +115,16 @@ impl Near {
     fn new(image: &Image, uv: Vec2) -> Self {
         let (width, height) = (image.width(), image.height());
         let at = uv * Vec2::new(width as f32, height as f32) - Vec2::splat(0.5);
-        let low = Vec2::new(math::floor(at.x), math::floor(at.y));
-        let Vec2 { x, y } = at - low;
-        let wrap = |i: f32, count: u32| {
-            let whole = i as i64;
+        // Not by a call of `floor`, which takes longer than all the rest.
+        let floor = |x: f32| (x as i32).saturating_sub(i32::from((x as i32) as f32 > x));
+        let (left, top) = (floor(at.x), floor(at.y));
+        let Vec2 { x, y } = at - Vec2::new(left as f32, top as f32);
+        let wrap = |i: i32, count: u32| {
             // Mostly it is in the image, and needs no division.
-            if (0..i64::from(count)).contains(&whole) {
-                whole as usize
-            } else {
-                whole.rem_euclid(i64::from(count)) as usize
-            }
+            if (i as u32) < count { i as usize } else { i.rem_euclid(count as i32) as usize }
         };
-        let (left, right) = (wrap(low.x, width), wrap(low.x + 1.0, width));
-        let (top, bottom) = (wrap(low.y, height), wrap(low.y + 1.0, height));
+        let (left, right) = (wrap(left, width), wrap(left.wrapping_add(1), width));
+        let (top, bottom) = (wrap(top, height), wrap(top.wrapping_add(1), height));
         let [top, bottom] = [top, bottom].map(|row| row * width as usize);
         let channels = usize::from(image.channels());
         Self {
