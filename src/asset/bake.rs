@@ -4,6 +4,7 @@
 use super::skin::Skin;
 use crate::math;
 use crate::observer::Watch;
+use crate::shape::Bounds;
 use crate::surface::{Instance, Mesh};
 use glam::{Mat3, Vec2, Vec3, Vec4};
 use std::borrow::Cow;
@@ -127,6 +128,8 @@ struct Corner {
 /// Points of a picture: 32 bytes each.
 const MOST_POINTS: usize = 1 << 24;
 
+/// Points about a copy that are tried, at the most, to find out whether it is hidden.
+const MOST_TRIED: usize = 1024;
 /// Width of triangles in points up to which all points of their boxes are tried.
 const NARROW: usize = 8;
 
@@ -171,6 +174,8 @@ impl Raster {
         let size = Vec2::new((self.width * self.samples) as f32, (self.height * self.samples) as f32);
         let scale = size / (2.0 * self.view.half);
         let mut corners = Vec::with_capacity(drawn.mesh.positions.len());
+        let ball = Bounds::of(drawn.mesh.positions.iter().copied());
+        let (middle, radius) = (ball.center(), 0.5 * ball.size().length());
         for copy in &*drawn.copies {
             if !watch.steps(1 + drawn.mesh.indices.len() / 64) {
                 return;
@@ -178,6 +183,11 @@ impl Raster {
             let turned = matrix * copy.rotation_matrix();
             let scaled = turned * copy.scale;
             let offset = matrix * (copy.position - self.view.center);
+            let (at, radius) = (scaled * middle + offset, 1.001 * radius * copy.scale.abs());
+            let flat = Vec2::new(at.x, -at.y) * scale + size * 0.5;
+            if self.hides(flat, radius * scale, at.z + radius) {
+                continue;
+            }
             corners.clear();
             corners.extend(drawn.mesh.positions.iter().map(|&position| {
                 let seen = scaled * position + offset;
@@ -190,6 +200,23 @@ impl Raster {
             }
         }
         self.drawn += 1;
+    }
+
+    /// `true` if what lies this far about a point of the picture, and is at most this near, is hidden for sure.
+    fn hides(&self, at: Vec2, about: Vec2, nearest: f32) -> bool {
+        if self.wanted == Wanted::Layers {
+            return false;
+        }
+        let (columns, rows) = (self.width * self.samples, self.height * self.samples);
+        let (low, high) = (at - about, at + about + 1.0);
+        let (left, right) = (low.x as usize, (high.x as usize).min(columns));
+        let (top, bottom) = (low.y as usize, (high.y as usize).min(rows));
+        let is_small = right.saturating_sub(left) * bottom.saturating_sub(top) <= MOST_TRIED;
+        is_small
+            && (top..bottom).all(|row| {
+                let depths = &self.depths[row * columns..][left.min(right)..right];
+                depths.iter().all(|depth| *depth >= nearest)
+            })
     }
 
     fn triangle(
@@ -210,10 +237,12 @@ impl Raster {
         let (columns, rows) = (self.width * self.samples, self.height * self.samples);
         let (low, high) = (a.at.min(b.at).min(c.at), a.at.max(b.at).max(c.at));
         // The points of the picture are in the middles of unit squares.
-        let first = |low: f32| (low - 0.5).ceil().max(0.0) as usize;
-        let end = |high: f32, count: usize| ((high + 0.5).floor().max(0.0) as usize).min(count);
-        let (left, right) = (first(low.x), end(high.x, columns));
-        let (top, bottom) = (first(low.y), end(high.y, rows));
+        let first = |low: f32| {
+            let low = (low - 0.5).max(0.0);
+            low as usize + usize::from((low as usize as f32) < low)
+        };
+        let (left, right) = (first(low.x), ((high.x + 0.5) as usize).min(columns));
+        let (top, bottom) = (first(low.y), ((high.y + 0.5) as usize).min(rows));
         if left >= right || top >= bottom {
             return;
         }
