@@ -121,13 +121,17 @@ fn what_would_fill_the_memory_is_refused() {
             "branches.spacing",
         ),
         ("[limbs]\ncount = 400\nforks = 6\nforks_angle = 60\nunequal = 0", "limbs.forks"),
+        (
+            "[limbs]\ncount = 300\n[branches]\nspacing = 0.1\n[shoots]\nspacing = 0.1\n[leaves]\nspacing = 0.001",
+            "leaves.spacing",
+        ),
     ] {
         let text = format!("name = \"x\"\n{section}");
         let species = Species::parse(&text).expect("all are in range");
         let started = std::time::Instant::now();
         match species.request().with_dbh(0.9).grow() {
             Err(SpeciesError::TooMany { field: told, most, .. }) => {
-                assert!(told == field && most <= 3_000_000, "{told} for {field}");
+                assert!(told == field && most <= 4_000_000, "{told} for {field}");
             }
             Err(error) => panic!("{field}: {error}"),
             Ok(tree) => panic!("{field}: {} nodes", tree.skeleton.len()),

@@ -155,6 +155,9 @@ proptest! {
         let synth = VariationalSynth::new(shape.clone()).with_levels([trunk, branch, branch]).with_weights(lambda, mu);
         let growth = synth.grow(seed, &Silent).unwrap();
         check_growth(&growth, &shape)?;
+        // Angles that no tree can have, together with a large μ, push nodes out; the most that was seen is 3.6.
+        let most = if branch.angle().max(trunk.angle()) > 2.2 && mu > 0.5 { 5.0 } else { 3.0 };
+        prop_assert!(overreach(&growth, &shape) <= most, "{}", overreach(&growth, &shape));
     }
 }
 
@@ -185,8 +188,9 @@ fn check_growth(growth: &Growth, shape: &GuidanceShape) -> Result<(), TestCaseEr
     for pair in growth.trace.windows(2) {
         // Twigs in place of bundles are new nodes with wishes of their own; their wood may cost a little more, and a sixth
         // more was seen on a tree of twenty.
+        let more = if shape.positions().len() < 60 { 1.3 } else { 1.1 };
         if let StepKind::Twigs = pair[1].kind {
-            prop_assert!(pair[1].structure <= pair[0].structure * 1.3, "{:?}", pair);
+            prop_assert!(pair[1].structure <= pair[0].structure * more, "{:?}", pair);
         } else if !matches!(pair[1].kind, StepKind::Initialization { .. } | StepKind::Refinement { .. }) {
             prop_assert!(pair[1].total <= pair[0].total, "{:?}", pair);
         }
@@ -195,8 +199,6 @@ fn check_growth(growth: &Growth, shape: &GuidanceShape) -> Result<(), TestCaseEr
         }
     }
     // The public functions say the same of the tree as the trace of its step.
-    // Angles that no tree can have, and a large μ, push nodes out; the most that was seen is 3.6.
-    prop_assert!(overreach(growth, shape) <= 5.0, "{}", overreach(growth, shape));
     let (step, structure) = (growth.trace[growth.best], growth.structure().unwrap());
     prop_assert!(guidance(&structure, shape).unwrap().value <= step.guidance + 1e-4);
     let strain = strain(growth, shape);
@@ -503,7 +505,9 @@ fn odd_shapes_grow() -> Result<(), VariationalError> {
     let pair = vec![Vec3::Y, Vec3::X];
     for points in [line, plane, tiny, pair] {
         let shape = GuidanceShape::from_points(points, 0.1);
-        check_growth(&VariationalSynth::new(shape.clone()).grow(1, &Silent)?, &shape).expect("promises");
+        let growth = VariationalSynth::new(shape.clone()).grow(1, &Silent)?;
+        check_growth(&growth, &shape).expect("promises");
+        assert!(overreach(&growth, &shape) <= 3.0, "{}", overreach(&growth, &shape));
     }
     let ball = Sphere::new(Vec3::Y * 3.0, 1.0);
     let shape = GuidanceShape::on_surface(&ball, 200, 1)?;
@@ -511,6 +515,7 @@ fn odd_shapes_grow() -> Result<(), VariationalError> {
         let synth = VariationalSynth::new(shape.clone()).with_root(root);
         let growth = synth.grow(1, &Silent)?;
         check_growth(&growth, &shape).expect("promises");
+        assert!(overreach(&growth, &shape) <= 3.0, "{}", overreach(&growth, &shape));
         assert_eq!(growth.skeleton.positions()[0], root);
     }
     Ok(())
