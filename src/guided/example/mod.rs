@@ -24,6 +24,7 @@ use laterals::{FromOrder, LateralsLike, is_round};
 use learn::{Crown, Model, models, traits};
 use radii::TipShare;
 use redraw::Redraw;
+use std::ops::RangeInclusive;
 use std::sync::Arc;
 
 /// Traits of a tree, measured on a skeleton, and a [`TreeSynth`] that grows more of its kind.
@@ -100,6 +101,8 @@ impl Tuning {
 
 /// Branches of higher orders are not grown.
 const ORDERS: usize = 8;
+/// Nodes that a graph may have.
+const NODES: RangeInclusive<usize> = 2..=200_000_000;
 /// Mean length of the graph's edges, in spacings.
 const EDGE: f32 = 1.25;
 /// Nodes in a cube of the spacing.
@@ -126,23 +129,21 @@ impl Example {
         let orders = traits(skeleton, &models);
         let mut trunk = TrunkTraits::of(skeleton, &models);
         let tall = trunk.chord.length();
-        ParameterError::unless(
-            tall > 1e-3 && tall <= 1e6,
-            "Example.skeleton",
-            tall,
-            "with a trunk of 1e-3 to 1e6 m",
-        )?;
+        if !(tall > 1e-3 && tall <= 1e6) {
+            let value = format_args!("a tree with a trunk of {tall} m");
+            return Err(ParameterError::new("Example.skeleton", value, "one with a trunk of 1e-3 to 1e6 m"));
+        }
         let redraw = Redraw::of(skeleton, &models);
         models.truncate(ORDERS);
         trunk.waywardness = waywardness(&trunk, orders[0].length)?;
         let length: f32 = orders.iter().map(|order| order.length * order.count as f32).sum();
-        let laterals = models.len() - 1;
+        let (laterals, limbs) = (models.len() - 1, models[0][0].laterals.len());
         Ok(Self {
             base: skeleton.positions()[0],
             trunk,
             round: is_round(&models[0][0]),
             models: models.into_iter().map(Arc::new).collect(),
-            crown: Crown::of(skeleton),
+            crown: Crown::of(skeleton, limbs),
             width: crown_width(skeleton) as f32,
             internode: length / skeleton.segments() as f32,
             radii: TipShare::of(skeleton),
@@ -213,7 +214,7 @@ impl Example {
             towards(stretch, wanted.length, found.length);
             *stretch = stretch.min(1.6);
         }
-        let crown = Crown::of(grown);
+        let crown = Crown::of(grown, 0);
         towards(&mut self.tuning.wide, self.width, crown_width(grown) as f32);
         towards(&mut self.tuning.high, self.crown.high, crown.high);
         self.tuning.wide = self.tuning.wide.clamp(0.7, 1.4);
@@ -281,7 +282,11 @@ impl Example {
         let tuning = &self.tuning;
         let chord = self.trunk.chord * Vec3::new(1.0, tuning.high, 1.0);
         let leader = Leader::new(self.base, self.base + chord).with_waywardness(self.trunk.waywardness);
-        let mut synth = TreeSynth::new(PoissonYao::new(region).with_spacing(spacing).with_leader(leader));
+        let graph = PoissonYao::new(region).with_leader(leader);
+        // A number out of range is refused by the graph.
+        let graph =
+            if NODES.contains(&nodes) { graph.with_spacing(spacing) } else { graph.with_nodes(nodes) };
+        let mut synth = TreeSynth::new(graph);
         let mut length = self.orders[0].length;
         for order in 1..self.models.len() {
             let own = self.orders[order];

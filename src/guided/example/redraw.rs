@@ -27,6 +27,8 @@ pub(super) struct Redraw {
     counts: Vec<usize>,
 }
 
+/// Times that laterals are added, at most, to have an order's number.
+const ROUNDS: u64 = 16;
 /// Share that the number of branches of an order may be above the example's, or below.
 const NUMBERS: f32 = 0.1;
 
@@ -53,7 +55,7 @@ fn mean_sweep<'a>(axes: impl Iterator<Item = &'a Axis>) -> f32 {
 }
 
 fn all_chords(models: &[Vec<Model>]) -> Vec<[f32; 2]> {
-    models[..models.len() - 1].iter().map(|models| chord_angles(models)).collect()
+    models[..models.len() - 1].iter().enumerate().map(|(order, models)| chord_angles(models, order)).collect()
 }
 
 impl Redraw {
@@ -194,31 +196,40 @@ impl<'a> Drawing<'a> {
     /// centimetres would take a graph of centimetres.
     fn complete(&mut self, laterals: &[LateralsLike]) {
         for (order, like) in (0u16..).zip(laterals) {
-            let mut missing = self.missing(order, like);
             let mut random = stream(self.seed, u32::from(order), Purpose::COMPLETION, u64::MAX);
             let share = 1.0 + NUMBERS * (2.0 * random.random::<f32>() - 1.0);
             let wanted = (self.redraw.counts[usize::from(order) + 1] as f32 * share).round() as usize;
             let there = self.branches.iter().filter(|branch| branch.order == order + 1).count();
-            missing.shuffle(&mut random);
-            missing.truncate(wanted.saturating_sub(there));
-            for (parent, Planned { place, way }) in missing {
-                let base = self.at(self.branches[parent].nodes[place].0);
-                let axis = Axis::new(vec![0, 0], vec![base, base + way]);
-                self.draw(order + 1, Some((parent, place)), &axis, Mat3::IDENTITY, 0.0, 1);
+            let mut left = wanted.saturating_sub(there);
+            for round in 0..ROUNDS {
+                let mut missing = self.missing(order, like, round);
+                missing.shuffle(&mut random);
+                missing.truncate(left);
+                left -= missing.len();
+                for (parent, Planned { place, way }) in missing {
+                    let base = self.at(self.branches[parent].nodes[place].0);
+                    let axis = Axis::new(vec![0, 0], vec![base, base + way]);
+                    self.draw(order + 1, Some((parent, place)), &axis, Mat3::IDENTITY, 0.0, 1);
+                }
+                if left == 0 {
+                    break;
+                }
             }
         }
     }
 
-    /// Laterals that branches of an order should have and have not, each with the number of its parent branch.
-    fn missing(&self, order: u16, like: &LateralsLike) -> Vec<(usize, Planned)> {
+    /// Laterals that branches of an order should have and have not, each with the number of its parent branch; in later rounds
+    /// all that branches of their lengths have, for there are fewer such branches than in the example.
+    fn missing(&self, order: u16, like: &LateralsLike, round: u64) -> Vec<(usize, Planned)> {
         let mut missing = Vec::new();
         let own = |(_, branch): &(usize, &Drawn)| branch.order == order && branch.nodes.len() > 2;
         for (number, branch) in self.branches.iter().enumerate().filter(own) {
             let nodes: Vec<u32> = branch.nodes.iter().map(|&(node, _)| node).collect();
             let points = nodes.iter().map(|&node| self.at(node)).collect();
-            let mut random = stream(self.seed, u32::from(order), Purpose::COMPLETION, number as u64);
+            let mut random =
+                stream(self.seed, u32::from(order), Purpose::COMPLETION, number as u64 | round << 32);
             let mut planned = like.of_branch(&Axis::new(nodes, points), &mut random);
-            for &place in &branch.bears {
+            for &place in branch.bears.iter().filter(|_| round == 0) {
                 let near = (0..planned.len()).min_by_key(|&i| planned[i].place.abs_diff(place));
                 near.map(|near| planned.remove(near));
             }
