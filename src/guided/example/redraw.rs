@@ -27,8 +27,6 @@ pub(super) struct Redraw {
     counts: Vec<usize>,
 }
 
-/// Times that laterals are added, at most, to have an order's number.
-const ROUNDS: u64 = 16;
 /// Share that the number of branches of an order may be above the example's, or below.
 const NUMBERS: f32 = 0.1;
 
@@ -84,12 +82,13 @@ impl Redraw {
     }
 
     /// The same branches from about the same bases to the same tips, then the `laterals`, by order from 1, that their branches
-    /// should have and the graph had no room for.
+    /// should have and the graph had no room for, in so many rounds at most.
     pub(super) fn apply(
         &self,
         tree: &Skeleton,
         laterals: &[LateralsLike],
         seed: u64,
+        rounds: u64,
     ) -> Result<Skeleton, SkeletonError> {
         let branches = tree.branches();
         let axes: Vec<(u16, Axis)> =
@@ -121,7 +120,7 @@ impl Redraw {
             let least = if bears[number] { 2 } else { 1 };
             drawing.draw(*order, (number > 0).then_some((parent, place)), axis, turn, kept, least);
         }
-        drawing.complete(laterals);
+        drawing.complete(laterals, rounds);
         drawing.skeleton()
     }
 }
@@ -194,14 +193,14 @@ impl<'a> Drawing<'a> {
 
     /// Adds laterals that branches lack, order by order, up to about the example's number: paths of a graph merge, and twigs of
     /// centimetres would take a graph of centimetres.
-    fn complete(&mut self, laterals: &[LateralsLike]) {
+    fn complete(&mut self, laterals: &[LateralsLike], rounds: u64) {
         for (order, like) in (0u16..).zip(laterals) {
             let mut random = stream(self.seed, u32::from(order), Purpose::COMPLETION, u64::MAX);
             let share = 1.0 + NUMBERS * (2.0 * random.random::<f32>() - 1.0);
             let wanted = (self.redraw.counts[usize::from(order) + 1] as f32 * share).round() as usize;
             let there = self.branches.iter().filter(|branch| branch.order == order + 1).count();
             let mut left = wanted.saturating_sub(there);
-            for round in 0..ROUNDS {
+            for round in 0..rounds {
                 let mut missing = self.missing(order, like, round);
                 missing.shuffle(&mut random);
                 missing.truncate(left);
