@@ -212,6 +212,20 @@ fn one_limb() -> Skeleton {
     Skeleton::new(nodes, parents).unwrap().with_stages(stages).unwrap()
 }
 
+/// Limbs without length, as some files have them, are not cut into a million internodes.
+#[test]
+fn limbs_without_length_make_no_millions() {
+    let nodes: Vec<Vec3> = (0..40u8).map(|i| Vec3::Y * 0.5 * f32::from(i % 20)).collect();
+    let parents = (0..40u32).map(|i| if i < 20 { i.checked_sub(1) } else { Some(i - 20) }).collect();
+    let stages = (0..40).map(|i| u16::from(i >= 20)).collect();
+    let tree = Skeleton::new(nodes, parents).unwrap().with_stages(stages).unwrap();
+    let example = Example::of(&tree).unwrap();
+    for seed in 1..=3 {
+        let grown = example.grow(4_000, seed).unwrap();
+        assert!(grown.len() < 200, "{} nodes", grown.len());
+    }
+}
+
 /// Twigs of a lone limb stand at the angle to it that the example's have, and limb and twigs are as long.
 #[test]
 fn a_lone_limb_bears_its_twigs_as_the_example() {

@@ -102,7 +102,7 @@ fn coordinates_of_surveys_are_refused_or_exact() {
                 }
             }
             Err(error) => {
-                assert!(!holds && error.to_string().contains("Cloud::from_places"), "{far}: {error}")
+                assert!(!holds && error.to_string().contains("Cloud::from_places"), "{far}: {error}");
             }
         }
     }

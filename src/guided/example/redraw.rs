@@ -17,6 +17,8 @@ use rand::seq::SliceRandom;
 pub(super) struct Redraw {
     /// Metres, by order.
     internodes: Vec<f32>,
+    /// The most internodes of a branch, by order.
+    most: Vec<u32>,
     /// Angles at the first internode by order, radians.
     angles: Vec<Vec<f32>>,
     /// Mean and standard deviation of the angles between parent branches and chords, by order from 1.
@@ -67,6 +69,11 @@ impl Redraw {
             internodes[order][0] += axis.length();
             internodes[order][1] += (axis.nodes.len() - 1) as f32;
         }
+        let mut most = vec![0; internodes.len()];
+        for (branch, axis) in branches.iter().zip(&axes) {
+            let own = &mut most[usize::from(branch.order())];
+            *own = (axis.nodes.len() as u32 - 1).max(*own);
+        }
         let mut angles = vec![Vec::new(); internodes.len()];
         for angle in branch_angles(skeleton, 0.0).unwrap_or_default() {
             angles[usize::from(angle.order)].push(angle.angle);
@@ -74,6 +81,7 @@ impl Redraw {
         let internodes = internodes.into_iter().map(|[length, count]| length / count.max(1.0)).collect();
         Self {
             internodes,
+            most,
             angles,
             chords: all_chords(models),
             sweep: mean_sweep(axes.iter().skip(1)),
@@ -162,7 +170,9 @@ impl<'a> Drawing<'a> {
         let number = self.branches.len();
         let last = self.redraw.internodes.len() - 1;
         let internode = self.redraw.internodes[usize::from(order).min(last)].max(1e-6);
-        let parts = (axis.length() / internode).round().clamp(least as f32, 1e6) as u32;
+        // Where branches of the example have next to no length, a branch is not cut into millions.
+        let most = self.redraw.most[usize::from(order).min(last)].saturating_mul(2).clamp(least, 1_000_000);
+        let parts = (axis.length() / internode).round().clamp(least as f32, most as f32) as u32;
         let (mut base, mut leaves) = (0, None);
         if let Some((parent, place)) = parent {
             base = self.branches[parent].nodes[place].0;

@@ -4,7 +4,7 @@ use super::Target;
 use super::numbers::Numbers;
 use super::options::{seeds, some_of};
 use treesynth::glam::{IVec2, Vec3};
-use treesynth::self_organizing::{DeadWood, Habit, Landscape, ShadowPropagation, Shedding};
+use treesynth::self_organizing::{DeadWood, Habit, Landscape, ShadowPropagation, Shedding, Tree};
 
 pub(super) fn all() -> Vec<Target> {
     vec![Target { name: "landscape", seeds: seeds(96), run: landscape }]
@@ -50,7 +50,7 @@ fn landscape(bytes: &[u8]) -> bool {
     let Ok(forest) = landscape.plant(tile) else { return false };
     let mut forest = forest.with_most_metamers(3_000);
     let _ = forest.grow(3);
-    let planted = forest.trees().first().map(|tree| tree.number());
+    let planted = forest.trees().first().map(Tree::number);
     if let Some(tree) = planted {
         assert_eq!(forest.kill(tree), Ok(()));
     }
