@@ -45,7 +45,9 @@ pub enum CloudError {
     #[error(transparent)]
     Parameter(#[from] ParameterError),
     /// A point that is not finite, or too far off.
-    #[error("point {point} is at {position}, but must be finite and at most 1e6 m from 0 on every axis")]
+    #[error(
+        "point {point} is at {position}, but must be finite and at most 1e6 m from 0 on every axis; Cloud::from_places takes the offset of a survey off"
+    )]
     Position {
         /// The point, from 0.
         point: usize,
@@ -65,7 +67,8 @@ pub enum CloudError {
 }
 
 impl Cloud {
-    /// Points in metres and +Y up; there may be none.
+    /// Points in metres and +Y up; there may be none. Numbers of `f32` are 0.06 mm apart at 1 km from 0, and 3 cm at
+    /// 500 km: coordinates of a survey go through [`from_places`](Self::from_places), which takes their offset off.
     ///
     /// # Errors
     /// A point that is not finite, or more than 1e6 m from 0 on an axis.

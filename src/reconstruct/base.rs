@@ -105,10 +105,8 @@ const LEAN: f32 = 0.15;
 /// The bases of all trunks, that of most nodes first. Trunks reach through most of the lowest slice, above the ground if there is
 /// one, and go on above it, unlike twigs that hang low, and grass.
 pub(super) fn trunks(nodes: &Nodes, edges: &[(u32, u32)], ground: &Ground) -> Vec<Vec3> {
-    let mut sound: Vec<(Vec3, f32)> = sound(nodes, edges)
-        .into_iter()
-        .map(|place| (place, ground.below(place).unwrap_or(place.y)))
-        .collect();
+    let mut sound: Vec<(Vec3, f32)> =
+        sound(nodes, edges).into_iter().map(|place| (place, ground.height(place))).collect();
     let (low, top) = extent(sound.iter().map(|node| node.1));
     let thick = slice(top - low, nodes.side);
     let things = standing(&sound, low, low + thick);

@@ -73,12 +73,14 @@ pub(super) struct Ground {
     pub(super) above: Vec<u32>,
     /// Its height in each cell; none without ground.
     surface: BTreeMap<Cell, f32>,
+    /// The lowest of these heights; 0 without ground.
+    lowest: f32,
 }
 
 impl Ground {
     /// All points are above the ground.
     pub(super) fn none(points: &[Vec3]) -> Self {
-        Self { above: (0..points.len() as u32).collect(), surface: BTreeMap::new() }
+        Self { above: (0..points.len() as u32).collect(), surface: BTreeMap::new(), lowest: 0.0 }
     }
 
     /// Finds the points that are ground. O(n log n).
@@ -97,10 +99,16 @@ impl Ground {
         if cells < CELLS {
             return Self::none(points);
         }
-        let mut ground = Self { above: Vec::new(), surface };
+        let lowest = surface.values().copied().fold(f32::INFINITY, f32::min);
+        let mut ground = Self { above: Vec::new(), surface, lowest };
         let is_above = |point: &u32| ground.below(points[*point as usize]).is_none_or(|far| far > THICK);
         ground.above = (0..points.len() as u32).filter(is_above).collect();
         ground
+    }
+
+    /// The height of a place above the ground; where there is none above the lowest, and above 0 without any.
+    pub(super) fn height(&self, place: Vec3) -> f32 {
+        self.below(place).unwrap_or(place.y - self.lowest)
     }
 
     /// How far the ground is below a place, metres; `None` where there is none.

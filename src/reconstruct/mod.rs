@@ -107,7 +107,7 @@ pub enum ReconstructError {
     Parameter(#[from] ParameterError),
     /// Too few points, or all in one place.
     #[error(
-        "the cloud has {points} points in {nodes} places, ground set aside, but a tree needs 10 places at least"
+        "{points} points in {nodes} places, ground set aside, are too few: a tree needs 10 places at least"
     )]
     TooFew {
         /// Points that are not ground.
@@ -138,6 +138,31 @@ pub enum ReconstructError {
         first: Vec3,
         /// The position of the next, metres.
         second: Vec3,
+    },
+    /// Nothing that stands where the cloud is lowest goes on above as a trunk does.
+    #[error(
+        "nothing that stands where the cloud is lowest goes on above it as a trunk does; cut or turn the cloud, or say where trunks begin by Reconstruct::reconstruct_stand_at"
+    )]
+    NoTrunk,
+    /// Too little of a stand's cloud was given to the tree of one base: another tree, or another base in the same trunk, has it.
+    #[error(
+        "the tree at {base}: {error}; leave its base out, or name others by Reconstruct::reconstruct_stand_at"
+    )]
+    OfBase {
+        /// The base, metres.
+        base: Vec3,
+        /// The problem.
+        error: Box<ReconstructError>,
+    },
+    /// So far from 0 that the coordinates are too coarse for the cubes.
+    #[error(
+        "so far from 0 coordinates are in steps of {step} m, wider than the cubes' side of {side} m; Cloud::from_places and the readers of files take an offset off first, Reconstruct::with_side makes cubes wider"
+    )]
+    TooFar {
+        /// The distance from one number to the next, metres.
+        step: f32,
+        /// The side of the cubes, metres.
+        side: f32,
     },
     /// The limb at the base is thin compared with others: the cloud stands on its head, or the trunk is not
     /// in it.
@@ -247,7 +272,10 @@ impl Reconstruct {
         let nodes = self.nodes(cloud.points(), &wood.above, MOST_NODES)?;
         let edges = net::edges(&nodes);
         let start = match self.base {
-            Some(base) => Start { base: self.checked_base(&nodes, base)?, foot: base, is_found: false },
+            Some(base) => {
+                let base = self.checked_base(&nodes, base, "Reconstruct.base")?;
+                Start { base, foot: base, is_found: false }
+            }
             None => Start::found(base::lowest_trunk(&nodes, &edges)?, &wood),
         };
         self.tree(cloud, &nodes, &edges, start, cloud.len() - wood.above.len())
@@ -266,6 +294,10 @@ impl Reconstruct {
     fn nodes(&self, points: &[Vec3], which: &[u32], most: usize) -> Result<Nodes, ReconstructError> {
         let height = height(points, which);
         let side = self.side.unwrap_or((height / 1000.0).clamp(0.002, 0.05));
+        let step = coarsest_step(points, which);
+        if step > side {
+            return Err(ReconstructError::TooFar { step, side });
+        }
         let mut nodes = Nodes::new(points, which, side, most);
         if nodes.len() < 10 {
             return Err(ReconstructError::TooFew { points: which.len(), nodes: nodes.len() });
@@ -342,12 +374,11 @@ impl Reconstruct {
         })
     }
 
-    fn checked_base(&self, nodes: &Nodes, base: Vec3) -> Result<Vec3, ReconstructError> {
+    fn checked_base(&self, nodes: &Nodes, base: Vec3, name: &str) -> Result<Vec3, ReconstructError> {
         let far = nodes.positions.iter().map(|place| place.distance(base)).fold(f32::INFINITY, f32::min);
         let range =
             "within a metre of the points, or within the gap if that is wider, as they lie in the cloud";
-        ParameterError::unless(far <= self.gap.max(1.0), "Reconstruct.base", base, range)?;
-        Ok(base)
+        if far <= self.gap.max(1.0) { Ok(base) } else { Err(ParameterError::new(name, base, range).into()) }
     }
 }
 
@@ -386,6 +417,12 @@ fn height(points: &[Vec3], which: &[u32]) -> f32 {
     let last = heights.len() - 1 - cut;
     let high = *heights.select_nth_unstable_by(last, f32::total_cmp).1;
     high - *heights.select_nth_unstable_by(cut, f32::total_cmp).1
+}
+
+/// Distance from the largest coordinate of some points to the next number.
+fn coarsest_step(points: &[Vec3], which: &[u32]) -> f32 {
+    let largest = which.iter().map(|&point| points[point as usize].abs().max_element()).fold(0.0, f32::max);
+    f32::from_bits(largest.to_bits() + 1) - largest
 }
 
 /// The child of each ring that goes on: the one with most nodes in and behind it.

@@ -71,9 +71,7 @@ impl Reconstruct {
         let edges = net::edges(&nodes);
         let bases = base::trunks(&nodes, &edges, &ground);
         if bases.is_empty() {
-            // The error for what stands there instead.
-            base::lowest_trunk(&nodes, &edges)?;
-            return Err(ReconstructError::TooFew { points: 0, nodes: 0 });
+            return Err(ReconstructError::NoTrunk);
         }
         let starts: Vec<Start> = bases.into_iter().map(|base| Start::found(base, &ground)).collect();
         self.stand(cloud, &ground, nodes, &edges, &starts)
@@ -82,20 +80,29 @@ impl Reconstruct {
     /// The trees that begin at these bases, metres, 1 to 1000, as [`reconstruct_stand`](Self::reconstruct_stand) makes them.
     ///
     /// # Errors
-    /// As there; and a base twice, or one that is farther from the points than a metre and the gap.
+    /// As there; and a base twice, or one that is farther from the points than a metre or, if that is wider, the gap.
     pub fn reconstruct_stand_at(
         &self,
         cloud: &Cloud,
         bases: &[Vec3],
     ) -> Result<ReconstructedStand, ReconstructError> {
-        let range = "1 to 1000 different places";
-        let is_new = |(i, base): (usize, &Vec3)| bases[..i].iter().all(|other| other.distance(*base) > 1e-3);
-        let holds = !bases.is_empty() && bases.len() <= MOST_TREES && bases.iter().enumerate().all(is_new);
-        ParameterError::unless(holds, "bases", bases, range)?;
+        let holds = (1..=MOST_TREES).contains(&bases.len());
+        ParameterError::unless(holds, "number of bases", bases.len(), "1 to 1000")?;
+        for (i, base) in bases.iter().enumerate() {
+            if let Some(other) = bases[..i].iter().find(|other| other.distance(*base) <= 1e-3) {
+                let range = "at places more than a millimetre apart";
+                return Err(ParameterError::new(
+                    "two of the bases",
+                    format_args!("{other} and {base}"),
+                    range,
+                )
+                .into());
+            }
+        }
         let ground = self.wood(cloud)?;
         let nodes = self.nodes(cloud.points(), &ground.above, 2 * MOST_NODES)?;
         let given = |&base: &Vec3| {
-            let base = self.checked_base(&nodes, base)?;
+            let base = self.checked_base(&nodes, base, "one of the bases")?;
             Ok(Start { base, foot: base, is_found: false })
         };
         let starts = bases.iter().map(given).collect::<Result<Vec<Start>, ReconstructError>>()?;
@@ -128,7 +135,8 @@ impl Reconstruct {
         }
         let mut trees = Vec::with_capacity(starts.len());
         for (&start, own) in starts.iter().zip(&points) {
-            let nodes = self.nodes(cloud.points(), own, MOST_NODES)?;
+            let of_base = |error| ReconstructError::OfBase { base: start.base, error: Box::new(error) };
+            let nodes = self.nodes(cloud.points(), own, MOST_NODES).map_err(of_base)?;
             let edges = net::edges(&nodes);
             trees.push(self.tree(cloud, &nodes, &edges, start, 0)?);
         }

@@ -311,7 +311,8 @@ impl<E: Environment> Forest<E> {
     }
 
     pub(super) fn root(&mut self, foot: Vec3, habit: u32, generation: u16) {
-        self.trees.push(Tree::new(foot, self.next_tree, habit, generation, self.season));
+        let season = self.season_of(self.next_tree);
+        self.trees.push(Tree::new(foot, self.next_tree, habit, generation, season));
         self.next_tree += 1;
     }
 

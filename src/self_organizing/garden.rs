@@ -23,9 +23,10 @@ impl<E: Environment> Forest<E> {
         let index = self.trees[place].index_of(node).unwrap_or_default();
         ParameterError::unless(index > 0, "node", node, "a node of the tree that stands above its foot")?;
         self.tell_shades();
+        let season = self.season_of(self.trees[place].number);
         let tree = &mut self.trees[place];
         let regrowth = self.habits[tree.habit as usize].regrowth;
-        let fallen = tree.cut(&[index as u32], regrowth, self.season);
+        let fallen = tree.cut(&[index as u32], regrowth, season);
         self.environment.update_shaded(self.told[tree.class()], &[], &fallen);
         Ok(())
     }
@@ -39,12 +40,14 @@ impl<E: Environment> Forest<E> {
     pub fn prune(&mut self, keep: &dyn Shape) -> Result<usize, ParameterError> {
         keep.check()?;
         self.tell_shades();
-        let (habits, season) = (&self.habits, self.season);
-        let changes = parallel::each_mut(&mut self.trees, |_, tree| {
+        let seasons: Vec<u16> = self.trees.iter().map(|tree| self.season_of(tree.number)).collect();
+        let habits = &self.habits;
+        let changes = parallel::each_mut(&mut self.trees, |place, tree| {
             let outside = |node: &usize| !keep.contains(tree.nodes[*node].position);
             let lowest: Vec<u32> = (1..tree.nodes.len()).filter(outside).map(|node| node as u32).collect();
             let regrowth = habits[tree.habit as usize].regrowth;
-            let fallen = if lowest.is_empty() { Vec::new() } else { tree.cut(&lowest, regrowth, season) };
+            let fallen =
+                if lowest.is_empty() { Vec::new() } else { tree.cut(&lowest, regrowth, seasons[place]) };
             (tree.class(), Change { fallen, ..Change::default() })
         });
         let fallen = changes.iter().map(|(_, change)| change.fallen.len()).sum();
@@ -80,9 +83,10 @@ impl<E: Environment> Forest<E> {
             return self.remove(tree).map(|_| ());
         }
         self.tell_shades();
+        let season = self.season_of(self.trees[place].number);
         let tree = &mut self.trees[place];
         let class = tree.class();
-        let change = Change { died: tree.die(self.season), ..Change::default() };
+        let change = Change { died: tree.die(season), ..Change::default() };
         tell(&mut self.environment, &self.told, vec![(class, change)]);
         Ok(())
     }

@@ -60,7 +60,8 @@ impl Terrain for Ground {
 ///
 /// # Frames
 /// Each tile's forest has its origin at the tile's corner of least x and z, on the ground below the tile's middle:
-/// [`origin`](Self::origin). So far tiles are as exact as near ones.
+/// [`origin`](Self::origin). So far tiles are as exact as near ones, but for the terrain and the species, which are asked at `f32` places of
+/// the landscape: in steps of 6 cm a million metres off.
 ///
 /// Memory and time are those of one forest on (tile + 2 · margin)².
 ///
@@ -151,7 +152,7 @@ impl<E: Environment> Landscape<E> {
         self
     }
 
-    /// Sets the cells along a side of a tile, at least 1; 16 by default. With its margins a tile has at most 4096.
+    /// Sets the cells along a side of a tile, at least 1; 16 by default. A tile with both its margins has at most 4096.
     pub fn with_tile(mut self, cells: u32) -> Self {
         self.tile = cells;
         self
@@ -233,9 +234,11 @@ impl<E: Environment> Landscape<E> {
         within("Landscape.scatter", self.scatter, 0.0, FARTHEST)?;
         within("Landscape.height", self.height, 1e-3, 1e4)?;
         let (tile, margin) = (self.tile, self.margin);
+        let range = "1 to 4096 cells";
+        ParameterError::unless((1..=MOST_CELLS).contains(&tile), "Landscape.tile", tile, range)?;
         let all = u64::from(tile) + 2 * u64::from(margin);
-        let range = "1 or more, with both margins at most 4096";
-        ParameterError::unless(tile > 0 && all <= u64::from(MOST_CELLS), "Landscape.tile", tile, range)?;
+        let range = "so few cells that a tile and both its margins have at most 4096";
+        ParameterError::unless(all <= u64::from(MOST_CELLS), "Landscape.margin", margin, range)?;
         self.terrain.as_ref().map_or(Ok(()), |terrain| terrain.check())?;
         self.habits.iter().try_for_each(Habit::check)
     }

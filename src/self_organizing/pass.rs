@@ -29,6 +29,17 @@ impl<E: Environment> Forest<E> {
         }
     }
 
+    /// Turns of a season.
+    fn turns(&self) -> u32 {
+        // Buds that share out markers must all be there at once.
+        if self.environment.surveys() { 1 } else { TURNS }
+    }
+
+    /// The latest season of the tree of a number: that which has begun, once the tree has had its turn.
+    pub(super) fn season_of(&self, number: u32) -> u16 {
+        self.season + u16::from(number % self.turns() < self.turn)
+    }
+
     /// The season of the trees whose turn it is: they look, all at once, then grow, then the environment is told.
     fn take_turn(&mut self) -> Result<(), ForestError> {
         let season =
@@ -36,8 +47,7 @@ impl<E: Environment> Forest<E> {
         self.tell_shades();
         let standing = self.metamers() as u64;
         let (habits, seed, turn) = (&self.habits, self.seed, self.turn);
-        // Buds that share out markers must all be there at once.
-        let turns = if self.environment.surveys() { 1 } else { TURNS };
+        let turns = self.turns();
         let mut trees: Vec<&mut Tree> =
             self.trees.iter_mut().filter(|tree| tree.number % turns == turn).collect();
         let mut firsts = Vec::new();

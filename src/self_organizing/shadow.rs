@@ -407,15 +407,16 @@ impl Environment for ShadowPropagation {
             && cells.min_element() >= 1.0
             && cells.max_element() <= MOST_ON_AXIS as f32
             && cells.as_dvec3().element_product() <= MOST_CELLS as f64;
-        ParameterError::unless(
-            holds,
-            "ShadowPropagation.bounds",
-            bounds,
-            "within a million metres, 1 to 65000 cells on each axis, at most 2^29 cells",
-        )?;
-        let (range, lost) =
-            ("such that all trees stand within 65000 cells on each axis and 2^29 in all", self.lost);
-        ParameterError::unless(lost == 0, "ShadowPropagation.bounds", bounds, range)?;
+        let refused = |range: &str| {
+            let range = format!("{range}; ShadowPropagation.cell is {cell} m");
+            Err(ParameterError::new("ShadowPropagation.bounds", format_args!("{bounds:?}"), range))
+        };
+        if !holds {
+            return refused("within a million metres, 1 to 65000 cells on each axis, at most 2^29 cells");
+        }
+        if self.lost > 0 {
+            return refused("such that all trees stand within 65000 cells on each axis and 2^29 in all");
+        }
         within("ShadowPropagation.scattered", scattered, 0.0, 1.0)?;
         within("ShadowPropagation.full_exposure", full_exposure, 0.0, 1e6)?;
         ParameterError::unless(height <= 32, "ShadowPropagation.height", height, "at most 32 cells")?;

@@ -1,6 +1,7 @@
 //! A tree of a species, scanned and reconstructed.
 
-use treesynth::glam::Vec3;
+use treesynth::cloud::{Cloud, Frame};
+use treesynth::glam::{DVec3, Vec3};
 use treesynth::metrics::diameter_at;
 use treesynth::radius::check_radii;
 use treesynth::reconstruct::Reconstruct;
@@ -34,5 +35,102 @@ fn species_come_back_from_their_clouds() {
         assert!((dbh - wanted).abs() < 0.005, "{name}: {dbh} {wanted}");
         let ratio = wood(&found) / wood(&truth);
         assert!((0.88..1.12).contains(&ratio), "{name}: {ratio}");
+    }
+}
+
+/// Points around an upright stem.
+fn stem(base: Vec3, height: f32) -> impl Iterator<Item = Vec3> {
+    (0..(height * 2000.0) as u32).map(move |i| {
+        let (sin, cos) = (i as f32 * 2.4).sin_cos();
+        base + Vec3::new(0.06 * cos, i as f32 / 2000.0, 0.06 * sin)
+    })
+}
+
+/// Errors of stands name the base, or say that there is no trunk and which call goes on from there.
+#[test]
+fn errors_of_stands_say_what_to_do() {
+    let of = |points: Vec<Vec3>| Cloud::new(points).unwrap();
+    let reconstruct = Reconstruct::default().with_ground(false);
+    let flat = of((0..900).map(|i| Vec3::new((i % 30) as f32, 0.0, (i / 30) as f32)).collect());
+    let lying = of(stem(Vec3::ZERO, 2.0).map(|point| Vec3::new(point.y, point.x, point.z)).collect());
+    for cloud in [&flat, &lying] {
+        if let Err(error) = reconstruct.reconstruct_stand(cloud) {
+            let text = error.to_string();
+            assert!(text.contains("trunk") && text.contains("reconstruct_stand_at"), "{text}");
+        }
+    }
+    assert!(reconstruct.reconstruct_stand(&flat).is_err());
+    // Of two bases in one trunk one has next to no points; and a thousand have none each.
+    let one = of(stem(Vec3::ZERO, 2.0).collect());
+    for far in [1e-2, 2e-3, 1.5e-3] {
+        let bases = [Vec3::ZERO, Vec3::new(far, 0.0, 0.0)];
+        if let Err(error) = reconstruct.reconstruct_stand_at(&one, &bases) {
+            let text = error.to_string();
+            assert!(bases.iter().any(|base| text.contains(&format!("{base}"))), "{text}");
+        }
+    }
+    let above = [Vec3::ZERO, Vec3::new(0.0, 2.9, 0.0)];
+    let text = reconstruct.reconstruct_stand_at(&one, &above).unwrap_err().to_string();
+    assert!(text.contains("[0, 2.9, 0]"), "{text}");
+    let many: Vec<Vec3> = (0..1000).map(|i| Vec3::new(i as f32 * 1e-3, 0.0, 0.01 * (i % 2) as f32)).collect();
+    let twice: Vec<Vec3> = many.iter().chain(&many[500..501]).copied().skip(1).collect();
+    for (bases, named) in [
+        (&twice[..], format!("{}", many[500])),
+        (&[many.clone(), vec![Vec3::X]].concat()[..], "1001".into()),
+        (&[][..], "0".into()),
+        (&[Vec3::ZERO, Vec3::NAN], format!("{}", Vec3::NAN)),
+        (&[Vec3::NAN], format!("{}", Vec3::NAN)),
+    ] {
+        let text = reconstruct.reconstruct_stand_at(&one, bases).unwrap_err().to_string();
+        assert!(text.contains(&named) && text.contains("bases") && text.len() < 300, "{text}");
+    }
+}
+
+/// Far from 0 floats have steps wider than bark: an error, not a tree of steps.
+#[test]
+fn coordinates_of_surveys_are_refused_or_exact() {
+    let points = || stem(Vec3::ZERO, 2.0).chain(stem(Vec3::X, 2.0));
+    for (far, holds) in [(0.0, true), (1e3, true), (2e5, false), (9e5, false)] {
+        let cloud = Cloud::new(points().map(|point| point + Vec3::new(far, 0.0, -far)).collect()).unwrap();
+        match Reconstruct::default().reconstruct_stand(&cloud) {
+            Ok(stand) => {
+                assert!(holds, "{far}");
+                assert_eq!(stand.trees.len(), 2);
+                for tree in &stand.trees {
+                    let dbh = diameter_at(&tree.skeleton, 1.3).unwrap();
+                    assert!((dbh - 0.12).abs() < 0.01, "{far}: {dbh}");
+                }
+            }
+            Err(error) => {
+                assert!(!holds && error.to_string().contains("Cloud::from_places"), "{far}: {error}");
+            }
+        }
+    }
+    let beyond = Cloud::new(points().map(|point| point + Vec3::Z * 5e6).collect()).unwrap_err();
+    assert!(beyond.to_string().contains("Cloud::from_places"), "{beyond}");
+    // As they stand in a survey.
+    let place = |p: DVec3| DVec3::new(500_000.0 + p.x, 5_000_000.0 + p.z, 300.0 + p.y);
+    let places: Vec<DVec3> = points().map(|point| place(point.as_dvec3())).collect();
+    let cloud = Cloud::from_places(&Frame::default(), &places).unwrap();
+    let stand = Reconstruct::default().reconstruct_stand(&cloud).unwrap();
+    assert_eq!(stand.trees.len(), 2);
+    assert!((stand.trees[0].offset - DVec3::new(500_000.0, 5_000_000.0, 300.0)).abs().max_element() < 1e3);
+}
+
+/// Trunks are found at any height above sea, also where a limb reaches beyond the ground's edge.
+#[test]
+fn trunks_are_found_at_any_height() {
+    let ground =
+        (0..80 * 80).map(|i| Vec3::new((i % 80) as f32 * 0.025 - 1.0, 0.0, (i / 80) as f32 * 0.025 - 1.0));
+    let limb = (0..303).map(|i| {
+        let (sin, cos) = (i as f32 * 2.4).sin_cos();
+        Vec3::new(i as f32 * 0.005, 1.8 + 0.02 * sin, 0.02 * cos)
+    });
+    let points: Vec<Vec3> = stem(Vec3::ZERO, 2.0).chain(limb).chain(ground).collect();
+    for y in [0.0, -100.0, 300.0] {
+        let cloud = Cloud::new(points.iter().map(|&point| point + Vec3::Y * y).collect()).unwrap();
+        let bases = Reconstruct::default().trunk_bases(&cloud).unwrap();
+        assert_eq!(bases.len(), 1, "{y}: {bases:?}");
+        assert!(bases[0].distance(Vec3::Y * (y + 0.12)) < 0.05, "{y}: {bases:?}");
     }
 }

@@ -40,6 +40,8 @@ pub(super) struct Planned {
 /// models on each side that it is drawn from.
 const LIKE: f32 = 1.25;
 const MODELS: usize = 6;
+/// Share of the trunk, at most, that a limb strays from its place, up and down: few limbs stay about where they are.
+const WIDEST_GAP: f32 = 0.1;
 /// Laterals up and down the trunk that a limb takes its form from.
 const NEIGHBOURS: f32 = 1.5;
 /// The golden angle: limbs of a trunk in turn lie in gaps of those before.
@@ -69,6 +71,7 @@ impl LateralsLike {
         let Some(model) = self.model(axis.length(), random) else { return planned };
         let scale = (axis.length() / model.length.max(1e-6)).clamp(0.5, 2.0);
         let gap = 1.0 / model.laterals.len().max(1) as f32;
+        let gap = if self.order == 0 { gap.min(WIDEST_GAP) } else { gap };
         let mirrored = if random.random::<bool>() { 1.0 } else { -1.0 };
         let mut azimuth = random.random::<f32>() * TAU;
         // Limbs of the trunk change places with near ones.

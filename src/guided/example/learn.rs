@@ -125,10 +125,10 @@ fn mean_and_spread(values: &[f32]) -> (f32, f32) {
     (mean, (values.iter().map(|value| (value - mean) * (value - mean)).sum::<f32>() / count).sqrt())
 }
 
-/// Mean and standard deviation of the angles between branches and the chords of their laterals, radians.
-pub(super) fn chord_angles(models: &[Model]) -> [f32; 2] {
+/// Mean and standard deviation of the angles between branches of some order and the chords of their laterals, radians.
+pub(super) fn chord_angles(models: &[Model], order: usize) -> [f32; 2] {
     // The trunk's laterals are in the world's axes.
-    let axis = if models.len() == 1 { UP } else { Vec3::X };
+    let axis = if order == 0 { UP } else { Vec3::X };
     let chords = models.iter().flat_map(|model| &model.laterals).map(|lateral| lateral.chord);
     let angles: Vec<f32> = chords.map(|chord| crate::math::angle_between(chord, axis)).collect();
     let (mean, spread) = mean_and_spread(&angles);
@@ -138,6 +138,8 @@ pub(super) fn chord_angles(models: &[Model]) -> [f32; 2] {
 /// Reach of a crown at each height, from the trunk base.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Crown {
+    /// `false` if fewer limbs than layers say how far it reaches.
+    is_known: bool,
     pub(super) base: Vec3,
     pub(super) low: f32,
     pub(super) high: f32,
@@ -147,12 +149,13 @@ pub(super) struct Crown {
 impl Crown {
     const LAYERS: usize = 16;
 
-    pub(super) fn of(skeleton: &Skeleton) -> Self {
+    /// The crown of a tree with so many limbs.
+    pub(super) fn of(skeleton: &Skeleton, limbs: usize) -> Self {
         let base = skeleton.positions()[0];
         let heights = || skeleton.positions().iter().map(|point| point.y - base.y);
         let low = heights().fold(0.0, f32::min);
         let high = heights().fold(0.0, f32::max).max(low + 1e-3);
-        let mut crown = Self { base, low, high, radii: [0.0; Self::LAYERS] };
+        let mut crown = Self { is_known: limbs >= Self::LAYERS, base, low, high, radii: [0.0; Self::LAYERS] };
         for &point in skeleton.positions() {
             let (layer, radius) = (crown.layer(point), crown.radius(point));
             crown.radii[layer] = crown.radii[layer].max(radius);
@@ -175,12 +178,14 @@ impl Crown {
 
     pub(super) fn scaled(&self, wide: f32, high: f32) -> Self {
         let radii = self.radii.map(|radius| radius * wide);
-        Self { radii, low: self.low * high, high: self.high * high, base: self.base }
+        Self { radii, low: self.low * high, high: self.high * high, ..*self }
     }
 
+    /// `true` if branches may end there.
     pub(super) fn contains(&self, point: Vec3) -> bool {
         let height = point.y - self.base.y;
-        height >= self.low && height <= self.high && self.radius(point) <= self.radii[self.layer(point)]
+        let is_low = height >= self.low && height <= self.high;
+        !self.is_known || is_low && self.radius(point) <= self.radii[self.layer(point)]
     }
 }
 
@@ -215,8 +220,18 @@ impl TrunkTraits {
         let clear = trunk.laterals.first().map_or(1.0, |lateral| lateral.share) * trunk.length;
         let straight = chord.length().max(1e-6);
         let waywardness = (farthest / straight).min(0.5);
-        Self { chord, waywardness, clear_bole: clear, diameter: skeleton.radii()[0] * 2.0 }
+        Self { chord, waywardness, clear_bole: clear, diameter: base_radius(skeleton) * 2.0 }
     }
+}
+
+/// The radius of the trunk base, metres; that of the thickest branch there if the root itself has none; 0 without thickness.
+pub(super) fn base_radius(skeleton: &Skeleton) -> f32 {
+    let root = skeleton.radii()[0];
+    if root > 0.0 {
+        return root;
+    }
+    let at_base = skeleton.edges().filter(|&(_, parent)| parent == 0);
+    at_base.map(|(node, _)| skeleton.radii()[node]).fold(0.0, f32::max)
 }
 
 /// The number whose logarithm is the mean of the logarithms.

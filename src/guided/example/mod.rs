@@ -17,13 +17,14 @@ use crate::metrics::crown_width;
 use crate::parameter::ParameterError;
 use crate::radius::{PipeModel, RadiusModel, Taper};
 use crate::random::{Purpose, derive};
-use crate::shape::Cuboid;
+use crate::shape::{Cuboid, LARGEST};
 use crate::skeleton::Skeleton;
 use glam::Vec3;
 use laterals::{FromOrder, LateralsLike, is_round};
 use learn::{Crown, Model, models, traits};
 use radii::TipShare;
 use redraw::Redraw;
+use std::ops::RangeInclusive;
 use std::sync::Arc;
 
 /// Traits of a tree, measured on a skeleton, and a [`TreeSynth`] that grows more of its kind.
@@ -38,6 +39,9 @@ use std::sync::Arc;
 /// numbers: [`grow`](Self::grow) draws the branches anew and adds those that the graph had no room for, and
 /// [`tuned`](Self::tuned) grows trees, measures them in the same way and corrects for the rest.
 ///
+/// The trunk is taken to stand: limbs change places around the vertical through its base, and their angles are to it. After a tree that
+/// lies, others lie the same way, but their limbs are not turned around the trunk.
+///
 /// Endpoints are drawn as from a sample, so what the example never does does not happen: one tree says little about
 /// its kind.
 ///
@@ -48,8 +52,7 @@ use std::sync::Arc;
 /// let example = Example::of(&oak)?;
 /// assert!(example.orders()[1].angle > 0.3 && example.trunk().diameter > 0.1);
 ///
-/// let kind = example.synth(8_000);
-/// let [one, other] = [kind.synthesize(1)?, kind.synthesize(2)?];
+/// let [one, other] = [example.grow(8_000, 1)?, example.grow(8_000, 2)?];
 /// assert_ne!(one, other);
 /// let [height, grown] = [&oak, &one].map(|tree| Metrics::of(tree).height);
 /// assert!((grown / height - 1.0).abs() < 0.2);
@@ -100,6 +103,8 @@ impl Tuning {
 
 /// Branches of higher orders are not grown.
 const ORDERS: usize = 8;
+/// Nodes that a graph may have.
+const NODES: RangeInclusive<usize> = 2..=200_000_000;
 /// Mean length of the graph's edges, in spacings.
 const EDGE: f32 = 1.25;
 /// Nodes in a cube of the spacing.
@@ -111,6 +116,8 @@ const COARSE: f32 = 2.0;
 /// No number or length is corrected beyond these.
 const LEAST: f32 = 0.4;
 const MOST: f32 = 3.0;
+/// Times that laterals are added, at most, to have an order's number.
+const ROUNDS: u64 = 16;
 /// Share of the measured difference that the first correction takes; later ones take less.
 const DAMPING: f32 = 0.7;
 
@@ -118,31 +125,36 @@ impl Example {
     /// Measures a tree. Its thickness is taken over if it has any. O(n log n).
     ///
     /// # Errors
-    /// A tree without length, or without branches besides its trunk.
+    /// A tree without branches besides its trunk, with a trunk that is not 1 mm to 1e6 m long, or with a node more than 1e6 m from its
+    /// root.
     pub fn of(skeleton: &Skeleton) -> Result<Self, ParameterError> {
         let branches = skeleton.branches().len();
         ParameterError::unless(branches > 1, "Example.skeleton", branches, "a tree of at least 2 branches")?;
+        let (base, positions) = (skeleton.positions()[0], skeleton.positions());
+        let far = positions.iter().map(|&place| (place - base).abs().max_element()).fold(0.0, f32::max);
+        if far > LARGEST {
+            let value = format_args!("a tree of which a node is {far} m from its root");
+            return Err(ParameterError::new("Example.skeleton", value, "one within 1e6 m of its root"));
+        }
         let mut models = models(skeleton);
         let orders = traits(skeleton, &models);
         let mut trunk = TrunkTraits::of(skeleton, &models);
         let tall = trunk.chord.length();
-        ParameterError::unless(
-            tall > 1e-3 && tall <= 1e6,
-            "Example.skeleton",
-            tall,
-            "with a trunk of 1e-3 to 1e6 m",
-        )?;
+        if !(tall > 1e-3 && tall <= 1e6) {
+            let value = format_args!("a tree with a trunk of {tall} m");
+            return Err(ParameterError::new("Example.skeleton", value, "one with a trunk of 1e-3 to 1e6 m"));
+        }
         let redraw = Redraw::of(skeleton, &models);
         models.truncate(ORDERS);
         trunk.waywardness = waywardness(&trunk, orders[0].length)?;
         let length: f32 = orders.iter().map(|order| order.length * order.count as f32).sum();
-        let laterals = models.len() - 1;
+        let (laterals, limbs) = (models.len() - 1, models[0][0].laterals.len());
         Ok(Self {
-            base: skeleton.positions()[0],
+            base,
             trunk,
             round: is_round(&models[0][0]),
             models: models.into_iter().map(Arc::new).collect(),
-            crown: Crown::of(skeleton),
+            crown: Crown::of(skeleton, limbs),
             width: crown_width(skeleton) as f32,
             internode: length / skeleton.segments() as f32,
             radii: TipShare::of(skeleton),
@@ -179,7 +191,8 @@ impl Example {
         for trial in 0..trials {
             let seed = derive(u64::from(trial), 0, Purpose::ENDPOINTS);
             let damping = DAMPING / (1.0 + 0.15 * trial as f32);
-            self.correct(&self.grow(nodes, seed)?, damping);
+            // Rates are corrected by what branches bear of themselves.
+            self.correct(&self.grown(nodes, seed, 1)?, damping);
             if trial >= trials / 2 {
                 later.push(self.tuning.clone());
             }
@@ -213,7 +226,7 @@ impl Example {
             towards(stretch, wanted.length, found.length);
             *stretch = stretch.min(1.6);
         }
-        let crown = Crown::of(grown);
+        let crown = Crown::of(grown, 0);
         towards(&mut self.tuning.wide, self.width, crown_width(grown) as f32);
         towards(&mut self.tuning.high, self.crown.high, crown.high);
         self.tuning.wide = self.tuning.wide.clamp(0.7, 1.4);
@@ -223,14 +236,19 @@ impl Example {
     /// Grows a tree of the kind on a graph of about `nodes` nodes, as [`synth`](Self::synth) does, and draws its branches
     /// anew, from the same places to the same tips: with internodes as long as the example's, as straight, and at first
     /// angles drawn from its own. A graph's nodes stand off each other, so that its paths cannot leave at 20°, and paths merge:
-    /// laterals that a branch of such a length has in the example are added where they lack, until each order has the example's
-    /// number of branches within 10%.
+    /// laterals that a branch of such a length has in the example are added where they lack, then more of them, until each order has
+    /// the example's number of branches within 10%.
     ///
     /// # Errors
     /// As [`TreeSynth::synthesize`].
     pub fn grow(&self, nodes: usize, seed: u64) -> Result<Skeleton, SynthesisError> {
+        self.grown(nodes, seed, ROUNDS)
+    }
+
+    fn grown(&self, nodes: usize, seed: u64, rounds: u64) -> Result<Skeleton, SynthesisError> {
         let laterals: Vec<_> = (1..self.models.len()).map(|order| self.laterals(order)).collect();
-        let tree = self.redraw.apply(&self.pipeline(nodes, COARSE).synthesize(seed)?, &laterals, seed)?;
+        let tree = self.pipeline(nodes, COARSE).synthesize(seed)?;
+        let tree = self.redraw.apply(&tree, &laterals, seed, rounds)?;
         let radii = self.radius().radii(&tree)?;
         Ok(tree.with_radii(radii)?)
     }
@@ -281,7 +299,11 @@ impl Example {
         let tuning = &self.tuning;
         let chord = self.trunk.chord * Vec3::new(1.0, tuning.high, 1.0);
         let leader = Leader::new(self.base, self.base + chord).with_waywardness(self.trunk.waywardness);
-        let mut synth = TreeSynth::new(PoissonYao::new(region).with_spacing(spacing).with_leader(leader));
+        let graph = PoissonYao::new(region).with_leader(leader);
+        // A number out of range is refused by the graph.
+        let graph =
+            if NODES.contains(&nodes) { graph.with_spacing(spacing) } else { graph.with_nodes(nodes) };
+        let mut synth = TreeSynth::new(graph);
         let mut length = self.orders[0].length;
         for order in 1..self.models.len() {
             let own = self.orders[order];

@@ -1,6 +1,6 @@
 //! Thickness after an example.
 
-use super::learn::geometric_mean;
+use super::learn::{base_radius, geometric_mean};
 use crate::math::{exp, ln};
 use crate::parameter::ParameterError;
 use crate::radius::{RadiusError, RadiusModel};
@@ -44,7 +44,8 @@ impl TipShare {
         let mean = |shares: &[f32]| geometric_mean(shares.iter().copied()).unwrap_or(1.0);
         let tapers = mean(&narrowing) < 0.97 && mean(&twigs) < 0.8;
         // A run that narrows ends as thick as the thickest that goes on from it begins.
-        let mut known: Vec<[f32; 2]> = vec![[0.0, radii[0]]];
+        let base = base_radius(skeleton);
+        let mut known: Vec<[f32; 2]> = vec![[0.0, base]];
         for (node, parent) in skeleton.edges() {
             let begins = children[parent] > 1 && if tapers { thickest[parent] == node } else { true };
             if begins {
@@ -52,12 +53,12 @@ impl TipShare {
             }
         }
         known.retain(|&[_, radius]| radius > 0.0);
-        if radii[0] <= 0.0 {
+        if base <= 0.0 {
             return None;
         }
         let slope = slope(&known);
         // Means at each halving, of what is brought there along the line that all make.
-        let mut least = ln(radii[0]);
+        let mut least = ln(base);
         let mut logs = vec![least];
         for layer in 1..layers {
             let layer = layer as f32;

@@ -17,6 +17,8 @@ use rand::seq::SliceRandom;
 pub(super) struct Redraw {
     /// Metres, by order.
     internodes: Vec<f32>,
+    /// The most internodes of a branch, by order.
+    most: Vec<u32>,
     /// Angles at the first internode by order, radians.
     angles: Vec<Vec<f32>>,
     /// Mean and standard deviation of the angles between parent branches and chords, by order from 1.
@@ -53,7 +55,7 @@ fn mean_sweep<'a>(axes: impl Iterator<Item = &'a Axis>) -> f32 {
 }
 
 fn all_chords(models: &[Vec<Model>]) -> Vec<[f32; 2]> {
-    models[..models.len() - 1].iter().map(|models| chord_angles(models)).collect()
+    models[..models.len() - 1].iter().enumerate().map(|(order, models)| chord_angles(models, order)).collect()
 }
 
 impl Redraw {
@@ -67,6 +69,11 @@ impl Redraw {
             internodes[order][0] += axis.length();
             internodes[order][1] += (axis.nodes.len() - 1) as f32;
         }
+        let mut most = vec![0; internodes.len()];
+        for (branch, axis) in branches.iter().zip(&axes) {
+            let own = &mut most[usize::from(branch.order())];
+            *own = (axis.nodes.len() as u32 - 1).max(*own);
+        }
         let mut angles = vec![Vec::new(); internodes.len()];
         for angle in branch_angles(skeleton, 0.0).unwrap_or_default() {
             angles[usize::from(angle.order)].push(angle.angle);
@@ -74,6 +81,7 @@ impl Redraw {
         let internodes = internodes.into_iter().map(|[length, count]| length / count.max(1.0)).collect();
         Self {
             internodes,
+            most,
             angles,
             chords: all_chords(models),
             sweep: mean_sweep(axes.iter().skip(1)),
@@ -82,12 +90,13 @@ impl Redraw {
     }
 
     /// The same branches from about the same bases to the same tips, then the `laterals`, by order from 1, that their branches
-    /// should have and the graph had no room for.
+    /// should have and the graph had no room for, in so many rounds at most.
     pub(super) fn apply(
         &self,
         tree: &Skeleton,
         laterals: &[LateralsLike],
         seed: u64,
+        rounds: u64,
     ) -> Result<Skeleton, SkeletonError> {
         let branches = tree.branches();
         let axes: Vec<(u16, Axis)> =
@@ -119,7 +128,7 @@ impl Redraw {
             let least = if bears[number] { 2 } else { 1 };
             drawing.draw(*order, (number > 0).then_some((parent, place)), axis, turn, kept, least);
         }
-        drawing.complete(laterals);
+        drawing.complete(laterals, rounds);
         drawing.skeleton()
     }
 }
@@ -161,7 +170,9 @@ impl<'a> Drawing<'a> {
         let number = self.branches.len();
         let last = self.redraw.internodes.len() - 1;
         let internode = self.redraw.internodes[usize::from(order).min(last)].max(1e-6);
-        let parts = (axis.length() / internode).round().clamp(least as f32, 1e6) as u32;
+        // Where branches of the example have next to no length, a branch is not cut into millions.
+        let most = self.redraw.most[usize::from(order).min(last)].saturating_mul(2).clamp(least, 1_000_000);
+        let parts = (axis.length() / internode).round().clamp(least as f32, most as f32) as u32;
         let (mut base, mut leaves) = (0, None);
         if let Some((parent, place)) = parent {
             base = self.branches[parent].nodes[place].0;
@@ -192,33 +203,42 @@ impl<'a> Drawing<'a> {
 
     /// Adds laterals that branches lack, order by order, up to about the example's number: paths of a graph merge, and twigs of
     /// centimetres would take a graph of centimetres.
-    fn complete(&mut self, laterals: &[LateralsLike]) {
+    fn complete(&mut self, laterals: &[LateralsLike], rounds: u64) {
         for (order, like) in (0u16..).zip(laterals) {
-            let mut missing = self.missing(order, like);
             let mut random = stream(self.seed, u32::from(order), Purpose::COMPLETION, u64::MAX);
             let share = 1.0 + NUMBERS * (2.0 * random.random::<f32>() - 1.0);
             let wanted = (self.redraw.counts[usize::from(order) + 1] as f32 * share).round() as usize;
             let there = self.branches.iter().filter(|branch| branch.order == order + 1).count();
-            missing.shuffle(&mut random);
-            missing.truncate(wanted.saturating_sub(there));
-            for (parent, Planned { place, way }) in missing {
-                let base = self.at(self.branches[parent].nodes[place].0);
-                let axis = Axis::new(vec![0, 0], vec![base, base + way]);
-                self.draw(order + 1, Some((parent, place)), &axis, Mat3::IDENTITY, 0.0, 1);
+            let mut left = wanted.saturating_sub(there);
+            for round in 0..rounds {
+                let mut missing = self.missing(order, like, round);
+                missing.shuffle(&mut random);
+                missing.truncate(left);
+                left -= missing.len();
+                for (parent, Planned { place, way }) in missing {
+                    let base = self.at(self.branches[parent].nodes[place].0);
+                    let axis = Axis::new(vec![0, 0], vec![base, base + way]);
+                    self.draw(order + 1, Some((parent, place)), &axis, Mat3::IDENTITY, 0.0, 1);
+                }
+                if left == 0 {
+                    break;
+                }
             }
         }
     }
 
-    /// Laterals that branches of an order should have and have not, each with the number of its parent branch.
-    fn missing(&self, order: u16, like: &LateralsLike) -> Vec<(usize, Planned)> {
+    /// Laterals that branches of an order should have and have not, each with the number of its parent branch; in later rounds
+    /// all that branches of their lengths have, for there are fewer such branches than in the example.
+    fn missing(&self, order: u16, like: &LateralsLike, round: u64) -> Vec<(usize, Planned)> {
         let mut missing = Vec::new();
         let own = |(_, branch): &(usize, &Drawn)| branch.order == order && branch.nodes.len() > 2;
         for (number, branch) in self.branches.iter().enumerate().filter(own) {
             let nodes: Vec<u32> = branch.nodes.iter().map(|&(node, _)| node).collect();
             let points = nodes.iter().map(|&node| self.at(node)).collect();
-            let mut random = stream(self.seed, u32::from(order), Purpose::COMPLETION, number as u64);
+            let mut random =
+                stream(self.seed, u32::from(order), Purpose::COMPLETION, number as u64 | round << 32);
             let mut planned = like.of_branch(&Axis::new(nodes, points), &mut random);
-            for &place in &branch.bears {
+            for &place in branch.bears.iter().filter(|_| round == 0) {
                 let near = (0..planned.len()).min_by_key(|&i| planned[i].place.abs_diff(place));
                 near.map(|near| planned.remove(near));
             }

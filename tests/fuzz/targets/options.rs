@@ -19,9 +19,10 @@ macro_rules! some_of {
         builder
     }};
 }
+pub(super) use some_of;
 
 pub(super) fn all() -> Vec<Target> {
-    let target = |name, run| Target { name, seeds: seeds(), run };
+    let target = |name, run| Target { name, seeds: seeds(96), run };
     vec![
         target("tubes", tubes),
         target("implicit", implicit),
@@ -33,18 +34,18 @@ pub(super) fn all() -> Vec<Target> {
     ]
 }
 
-/// Bytes in which a few options are set.
-fn seeds() -> Vec<Vec<u8>> {
+/// So many bytes, in which a few options are set.
+pub(super) fn seeds(length: usize) -> Vec<Vec<u8>> {
     let mut state = 1u32;
     let mut byte = || {
         state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
         (state >> 24) as u8
     };
-    (0..8).map(|_| (0..96).map(|_| byte()).collect()).collect()
+    (0..8).map(|_| (0..length).map(|_| byte()).collect()).collect()
 }
 
 /// A small tree: a fork, or a few nodes at odd places with odd radii.
-fn tree(numbers: &mut Numbers<'_>) -> Option<Skeleton> {
+pub(super) fn tree(numbers: &mut Numbers<'_>) -> Option<Skeleton> {
     if numbers.byte() < 128 {
         return Some(super::saved::fork());
     }

@@ -116,4 +116,5 @@ bent! {
     obj: 1, stl: 2, ply: 1, gltf: 1, path: 1, svg: 1, qsm: 1, swc: 1, mtg: 1, xyz: 1, cloud: 1, las: 100, e57: 1,
     skeleton: 1, recipe: 1, species: 4, forest: 4, colonization: 4, compact: 4,
     tubes: 40, implicit: 20, skin: 20, leaves: 4, bark: 20, picture: 200, radii: 1, pipeline: 200,
+    example: 40, landscape: 40, stand: 40,
 }

@@ -2,7 +2,8 @@
 
 use treesynth::glam::Vec3;
 use treesynth::self_organizing::{
-    Environment, Forest, Habit, NodeId, SelfOrganizing, ShadowPropagation, Stature, Tree,
+    DeadWood, Environment, Forest, ForestError, Habit, NodeId, SelfOrganizing, ShadowPropagation, Stature,
+    Tree,
 };
 use treesynth::shape::Cuboid;
 use treesynth::{Bounds, Shape};
@@ -161,5 +162,70 @@ fn height_follows_its_curve() {
         }
         tree.grow(20).unwrap();
         assert!(tree.tree().is_none(), "seed {seed}: it has died of age");
+    }
+}
+
+/// Four trees far from each other, in a season that was broken off once the first had grown.
+fn broken_off(seed: u64) -> Forest {
+    let habit = Habit::default().with_dead_wood(DeadWood::default().with_seasons(4));
+    let mut forest = Forest::new(ShadowPropagation::default(), habit, seed);
+    for i in 0..4u8 {
+        forest.plant(Vec3::X * 6.0 * f32::from(i)).unwrap();
+    }
+    forest.grow(8).unwrap();
+    let whole = forest.metamers();
+    for most in (whole..).step_by(10) {
+        let mut tried = forest.clone().with_most_metamers(most);
+        assert!(matches!(tried.step(), Err(ForestError::Limit { .. })));
+        if tried.trees()[0] != forest.trees()[0] {
+            return tried.with_most_metamers(1_000_000);
+        }
+    }
+    unreachable!("the first tree grows")
+}
+
+/// Work done while a season is broken off is, for a tree that has had its turn, work after that season; and the forest can be
+/// saved then.
+#[test]
+fn work_in_mid_season_is_work_after_it() {
+    let works: [fn(&mut Forest); 4] = [
+        |forest| assert_eq!(forest.plant(Vec3::Z * 6.0), Ok(4)),
+        |forest| forest.kill(0).unwrap(),
+        |forest| {
+            let node = forest.trees()[0].ids().nth(3).unwrap();
+            forest.cut(0, node).unwrap();
+        },
+        |forest| {
+            let low = Cuboid::new(Vec3::new(-1.0, -1.0, -1.0), Vec3::new(1.0, 0.1, 1.0));
+            let rest = Cuboid::new(Vec3::new(1.0, -1.0, -9.0), Vec3::new(99.0, 9.0, 9.0));
+            assert!(forest.prune(&treesynth::shape::Union::new(low, rest)).unwrap() > 0);
+        },
+    ];
+    for seed in 1..=4 {
+        for (number, work) in works.iter().enumerate() {
+            let mut during = broken_off(seed);
+            let mut after = during.clone();
+            work(&mut during);
+            #[cfg(feature = "json")]
+            {
+                let text = serde_json::to_string(&during).unwrap();
+                let read: Forest =
+                    serde_json::from_str(&text).unwrap_or_else(|error| panic!("{number}: {error}"));
+                assert_eq!(read.trees(), during.trees());
+                during = read;
+            }
+            during.step().unwrap();
+            after.step().unwrap();
+            work(&mut after);
+            for _ in 0..6 {
+                let of_it = |forest: &Forest| {
+                    let trees = forest.trees().iter().filter(|tree| tree.number() % 4 == 0);
+                    trees.cloned().collect::<Vec<Tree>>()
+                };
+                assert_eq!(of_it(&during), of_it(&after), "seed {seed}, work {number}");
+                during.step().unwrap();
+                after.step().unwrap();
+            }
+        }
     }
 }

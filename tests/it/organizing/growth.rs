@@ -390,6 +390,8 @@ fn bad_input_is_named() {
     }
     named(light().with_height(33), Habit::default(), "ShadowPropagation.height");
     named(light().with_cell(1e-5), Habit::default(), "ShadowPropagation.bounds");
+    let fine = Forest::new(light().with_cell(1e-5), Habit::default(), 1).check().unwrap_err();
+    assert!(fine.range.contains("ShadowPropagation.cell is 0.00001 m"), "{fine}");
     habit(Habit::default().with_offspring(Offspring::default().with_interval(0)), "Offspring.interval");
     assert!(SpaceColonization::new(Vec::new()).check().is_err());
     assert!(SpaceColonization::in_shape(&Sphere::new(Vec3::ZERO, 1.0), 0, 1).is_err());

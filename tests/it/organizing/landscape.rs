@@ -134,7 +134,10 @@ fn impossible_landscapes_are_refused() {
     named(plain(1).with_scatter(1.0), IVec2::ZERO, "Landscape.scatter");
     named(plain(1).with_height(0.0), IVec2::ZERO, "Landscape.height");
     named(plain(1).with_tile(0), IVec2::ZERO, "Landscape.tile");
-    named(plain(1).with_margin(u32::MAX), IVec2::ZERO, "Landscape.tile");
+    named(plain(1).with_tile(4097), IVec2::ZERO, "Landscape.tile");
+    for margin in [2047, 4096, u32::MAX] {
+        named(plain(1).with_margin(margin), IVec2::ZERO, "Landscape.margin");
+    }
     named(plain(1), IVec2::MAX, "tile");
     named(plain(1), IVec2::new(0, i32::MIN), "tile");
     named(plain(1).with_species(|_, _, _| Some(7)), IVec2::ZERO, "habit");
