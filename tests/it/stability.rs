@@ -237,8 +237,8 @@ fn tubes_are_the_same_as_ever() {
         .expect("a tree");
     let tree = tree.relaxed(0.5, 3).expect("sound options");
     let kinds = [
-        (Tubes::default().with_closed_base(true).with_wind(true), 0x04ea_d069_4ca9_8a44),
-        (Tubes::default().with_error(0.002), 0x4a6b_9263_0059_adb2),
+        (Tubes::default().with_closed_base(true).with_wind(true), 0x709c_ae13_9298_fe92),
+        (Tubes::default().with_error(0.002), 0xd787_4116_9d14_8a1c),
     ];
     for (tubes, pinned) in kinds {
         let hashes = at_thread_counts(|| mesh_hash(&tubes.mesh(&tree).expect("a surface")));
