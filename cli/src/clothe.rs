@@ -4,13 +4,20 @@ use crate::Failure;
 use crate::failure::refused;
 use crate::number::{Budget, Side, budget, number, side};
 use clap::{Args, ValueEnum};
-use treesynth::Skeleton;
+use treesynth::{Bounds, Skeleton};
 use treesynth::asset::{Asset, AssetBuilder, Impostor};
 use treesynth::foliage::Leaves;
 use treesynth::species::Specimen;
-use treesynth::surface::{Implicit, Material, Mesh, Part, Sway, Tubes};
+use treesynth::surface::blob::Skin;
+use treesynth::surface::{Implicit, Material, Mesh, Part, Polygonizer, Sway, Tubes};
 use treesynth::texture::Bark;
 
+/// Blocks of voxels of a skin at most.
+const MOST_BLOCKS: usize = 20_000_000;
+/// The finest voxels, over the reach of the skin.
+const FINEST: f32 = 1.0 / 30_000.0;
+/// Radius of the thinnest twig of a skin, in voxels.
+const THINNEST: f32 = 0.867;
 /// Triangles of each level over those of the one before.
 const SHARE: f32 = 0.3;
 
@@ -21,6 +28,8 @@ pub(crate) enum Surface {
     Tubes,
     /// One closed mesh, for printers; without budget, levels, images and wind
     Closed,
+    /// As closed, smooth at forks, with coloured scars and bark ridges that age
+    Skin,
 }
 
 /// Options for the images and leaves of a tree.
@@ -41,7 +50,7 @@ pub(crate) struct Clothes {
     /// Surface of the branches
     #[arg(long, value_enum, default_value = "tubes", value_name = "KIND")]
     pub(crate) surface: Surface,
-    /// Voxels per radius of the closed surface, 0.867 to 64 [default: 1]
+    /// Voxels per radius of the closed surface and the skin, 0.867 to 64 [default: 1]
     #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = number(0.867..=64.0_f32, "voxels per radius"))]
     pub(crate) detail: Option<f32>,
 }
@@ -64,11 +73,12 @@ impl Clothes {
             ("--wind", self.wind),
         ];
         match (self.surface, given.iter().find(|(_, is_given)| *is_given)) {
-            (Surface::Closed, Some((name, _))) => {
-                Err(refused(format!("{name} goes with --surface tubes, not with --surface closed")))
+            (Surface::Closed | Surface::Skin, Some((name, _))) => {
+                let surface = if self.surface == Surface::Skin { "skin" } else { "closed" };
+                Err(refused(format!("{name} goes with --surface tubes, not with --surface {surface}")))
             }
             (Surface::Tubes, _) if self.detail.is_some() => {
-                Err(refused("--detail goes with --surface closed, not with --surface tubes"))
+                Err(refused("--detail goes with --surface closed and skin, not with --surface tubes"))
             }
             _ => Ok(()),
         }
@@ -92,11 +102,45 @@ impl Clothes {
         Ok(Box::new(Implicit::default().with_detail(self.detail.unwrap_or(1.0)).mesh(skeleton)?))
     }
 
+    /// The closed mesh of a skeleton in a skin, with its colours; twigs thinner than a voxel are thickened to that.
+    fn skin(&self, skeleton: &Skeleton, skin: &Skin, bark: Material) -> Result<Box<Mesh>, Failure> {
+        let detail = self.detail.unwrap_or(1.0);
+        let radii = skeleton.radii();
+        let thinnest = radii.iter().copied().filter(|&radius| radius > 0.0).fold(f32::INFINITY, f32::min);
+        let thickest = radii.iter().copied().fold(0.0, f32::max);
+        let size = Bounds::of(skeleton.positions().iter().copied()).grown(2.0 * thickest).size();
+        let voxel = (thinnest / detail).max(size.length() * FINEST);
+        let thick = radii.iter().map(|&radius| radius.max(THINNEST * voxel)).collect();
+        let skin = skin.clone().with_bark(bark.color()).blob_tree(&skeleton.clone().with_radii(thick)?)?;
+        let surface = Polygonizer::default().with_voxel(voxel).with_detail(detail).with_most_blocks(MOST_BLOCKS);
+        Ok(Box::new(surface.mesh(&skin)?))
+    }
+
+    /// The one mesh of a surface that is closed, and leaves; `None` for tubes. The age is that of a
+    /// [`Skin`].
+    fn whole(
+        &self,
+        skeleton: &Skeleton,
+        age: Option<f32>,
+        bark: Material,
+        leaves: impl FnOnce() -> Vec<Leaves>,
+    ) -> Result<Option<Model>, Failure> {
+        Ok(match self.surface {
+            Surface::Tubes => None,
+            Surface::Closed => Some(Model::Closed(self.closed(skeleton)?, bark, leaves())),
+            Surface::Skin => {
+                let skin = age.map_or_else(Skin::default, |age| Skin::default().with_age(age));
+                // Its colours are absolute.
+                Some(Model::Closed(self.skin(skeleton, &skin, bark)?, Material::white(), leaves()))
+            }
+        })
+    }
+
     /// A species' tree.
     pub(crate) fn specimen(&self, tree: &Specimen) -> Result<Model, Failure> {
-        if self.surface == Surface::Closed {
-            let leaves = tree.foliage().cloned().collect();
-            return Ok(Model::Closed(self.closed(&tree.skeleton)?, tree.bark(), leaves));
+        let whole = self.whole(&tree.skeleton, None, tree.bark(), || tree.foliage().cloned().collect())?;
+        if let Some(model) = whole {
+            return Ok(model);
         }
         let Some(side) = self.side() else {
             let leaves: Vec<Leaves> = tree.foliage().cloned().collect();
@@ -118,8 +162,20 @@ impl Clothes {
         bark: Material,
         images: Option<Bark>,
     ) -> Result<Model, Failure> {
-        if self.surface == Surface::Closed {
-            return Ok(Model::Closed(self.closed(skeleton)?, bark, leaves.to_vec()));
+        self.dressed_at(None, skeleton, leaves, bark, images)
+    }
+
+    /// As [`dressed`](Self::dressed), at an age of which the stages of the skeleton count the years.
+    pub(crate) fn dressed_at(
+        &self,
+        age: Option<f32>,
+        skeleton: &Skeleton,
+        leaves: &[Leaves],
+        bark: Material,
+        images: Option<Bark>,
+    ) -> Result<Model, Failure> {
+        if let Some(model) = self.whole(skeleton, age, bark, || leaves.to_vec())? {
+            return Ok(model);
         }
         let tubes = Tubes::default().with_square_tiles(true).with_wind(self.wind);
         let mut builder = AssetBuilder::default()

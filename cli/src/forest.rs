@@ -113,7 +113,7 @@ impl Options {
             ("--metamers", self.metamers.is_some()),
             ("--animation", self.animation),
             ("--models", self.models),
-            ("--surface closed", self.clothes.surface == crate::clothe::Surface::Closed),
+            ("--surface closed or skin", self.clothes.surface != crate::clothe::Surface::Tubes),
             ("--detail", self.clothes.detail.is_some()),
             ("--wind", self.clothes.wind),
             ("--levels", self.clothes.levels.is_some_and(|levels| levels > 1)),

@@ -26,7 +26,8 @@ Examples:
   treesynth years cottonwood
   treesynth years cottonwood --age 12.5 --frames 0 --format glb,usdz
   treesynth years growth-15-cottonwood --from 8 --to 9 --frames 48 --stills
-  treesynth years spreading-oak --skin --size 480")]
+  treesynth years spreading-oak --skin --size 480
+  treesynth years norway-maple --age 6.6 --frames 0 --surface skin --format glb,ply")]
 pub(crate) struct Options {
     /// One of `treesynth list years`, or what its name ends in
     #[arg(value_name = "NAME", value_parser = text)]
@@ -50,7 +51,7 @@ pub(crate) struct Options {
     /// Write each picture of the animation too, NAME/0000.png and so on
     #[arg(long)]
     stills: bool,
-    /// Draw sheet and animation in a blended skin with scars and ridges, cast ray by ray
+    /// Draw sheet and animation in a blended skin with scars and ridges, cast ray by ray; the model has it by --surface skin
     #[arg(long)]
     skin: bool,
     /// No sheet of several ages, NAME-sheet.png
@@ -91,7 +92,8 @@ pub(crate) fn run(options: &Options, common: &Common) -> Result<(), Failure> {
     let skeleton = &look.stand.skeleton;
     let images = preset.bark_texture().with_seed(seed);
     let model = if options.out.has_triangles() {
-        options.clothes.dressed(skeleton, &dress, preset.bark(), Some(images))?
+        // Stages of a tree that grows count from 1.
+        options.clothes.dressed_at(Some(age + 1.0), skeleton, &dress, preset.bark(), Some(images))?
     } else {
         Model::none()
     };

@@ -247,6 +247,18 @@ fn trees_grow_over_the_years() {
         assert!(world.read(&format!("out/{name}/0002.png")).starts_with(b"\x89PNG"));
     }
     assert!(world.read("out/tubes/0002.png") != world.read("out/skin/0002.png"));
+    // Models in a skin: colours and all, in every format of triangles.
+    let formats = "glb,obj,ply,stl,usdz";
+    let model = ["--frames", "0", "--no-sheet", "--surface", "skin", "--format", formats, "--name", "model"];
+    for (name, age) in [("cottonwood", "2.6"), ("norway-maple", "3.6")] {
+        let report = world.run(&[&["years", name, "--age", age, "--json"], &model[..]].concat()).json();
+        assert!(report["triangles"][0].as_u64().unwrap() > 5000, "{report}");
+        for ending in formats.split(',') {
+            assert!(world.read(&format!("out/model.{ending}")).len() > 100_000, "{ending}");
+        }
+        let header = world.read("out/model.ply");
+        assert!(String::from_utf8_lossy(&header[..600]).contains("red"), "no colours");
+    }
     world.has_no_remains();
 }
 

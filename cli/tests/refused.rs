@@ -40,6 +40,8 @@ fn wrong_command_lines_name_the_option_its_value_and_what_is_allowed() {
         (&["grow", "oak", "--name", "../up"], &["--name", "'../up'"]),
         (&["grow", "oak", "--surface", "closed", "--wind"], &["--wind", "--surface"]),
         (&["grow", "oak", "--detail", "2"], &["--detail", "--surface"]),
+        (&["grow", "oak", "--surface", "skin", "--levels", "2"], &["--levels", "--surface skin"]),
+        (&["forest", "oak", "--surface", "skin"], &["skin", "species"]),
         (&["grow", "oka"], &["\"oka\"", "near names"]),
         (&["grow", ""], &["must not be empty"]),
         (&["grow"], &["NAME"]),

@@ -23,7 +23,7 @@ pub(crate) fn draw_all(options: &Options) -> Result<(), Failure> {
         let columns = match pictures.len() {
             count @ 0..=6 => count,
             // Of other species, three ages in a row.
-            12 => 6,
+            12 | 21 => 6,
             count => count.div_ceil(2),
         };
         let sheet = Picture::sheet(pictures, columns as u32, 6, [255, 255, 255])?;
@@ -32,7 +32,7 @@ pub(crate) fn draw_all(options: &Options) -> Result<(), Failure> {
     Ok(())
 }
 
-/// The ages of a figure, all at the scale of the last.
+/// The ages of a figure, all at the scale of the last; of other species each at its own, with its height.
 fn draw(preset: &Grown, size: u32) -> Result<Vec<Picture>, Failure> {
     let growth = preset.grow(preset.seed)?;
     let stands: Vec<TreeAtAge> = preset.ages.iter().map(|&age| growth.at(age)).collect::<Result<_, _>>()?;
@@ -44,12 +44,16 @@ fn draw(preset: &Grown, size: u32) -> Result<Vec<Picture>, Failure> {
     });
     let Some(bounds) = everything.reduce(Bounds::union) else { return Ok(Vec::new()) };
     let labelled = stands.iter().zip(preset.ages).map(|(stand, age)| {
+        // Of other species each age fills its picture, so that a young tree is seen too.
+        let own = Bounds::of(stand.skeleton.positions().iter().copied());
+        let bounds = if preset.figure == 0 { own } else { bounds };
         let mut picture = if preset.planar {
             lines(stand, *age, bounds, size)?
         } else {
             shaded(preset, stand, bounds, size)?
         };
-        picture.label(&format!("{} {age}", preset.name), 6, 6, 1, [60, 60, 60]);
+        let height = if preset.figure == 0 { format!(", {:.1} m", own.max.y) } else { String::new() };
+        picture.label(&format!("{} {age}{height}", preset.name), 6, 6, 1, [60, 60, 60]);
         Ok(picture)
     });
     labelled.collect()

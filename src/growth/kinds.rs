@@ -58,8 +58,8 @@ impl Architecture {
             years: 27,
             least_shoot: 0.012,
             longest_branch: 10.0,
-            least_scale: 0.09,
-            most_order: 5,
+            least_scale: 0.25,
+            most_order: 4,
             divergence: DIVERGENCE,
             whorl: 1,
             forking: 0.0,
@@ -69,7 +69,7 @@ impl Architecture {
             scale_variation: 0.25,
             tropism: 0.3,
             height: Curve::of([[0.0, 0.0], [0.11, 4.2], [0.3, 11.0], [0.6, 18.5], [1.0, 24.0]]),
-            young_silhouette: Curve::of([[0.0, 0.4], [0.4, 0.4], [0.8, 0.24], [1.0, 0.06]]),
+            young_silhouette: Curve::of([[0.0, 0.33], [0.4, 0.33], [0.8, 0.22], [1.0, 0.06]]),
             mature_silhouette: Curve::of([
                 [0.0, 0.8],
                 [0.3, 0.82],
@@ -80,27 +80,23 @@ impl Architecture {
             ]),
             short_heading: Curve::degrees([[0.0, 0.0], [0.4, 8.0], [1.0, 25.0]]),
             long_heading: Curve::degrees([[0.0, -6.0], [0.3, -28.0], [0.6, -24.0], [1.0, 18.0]]),
-            branch_scale: Curve::of([
-                [0.0, 0.5],
-                [0.08, 0.66],
-                [0.2, 0.82],
-                [0.5, 0.95],
-                [0.8, 0.9],
-                [1.0, 0.8],
-            ]),
+            branch_scale: even_branches(),
             lifespan: Curve::of([
-                [0.0, 1.2],
-                [0.2, 3.0],
-                [0.4, 7.0],
-                [0.55, 12.0],
-                [0.66, 22.0],
-                [0.72, 40.0],
+                [0.0, 1.0],
+                [0.25, 4.0],
+                [0.45, 8.0],
+                [0.6, 12.0],
+                [0.74, 17.0],
+                [0.84, 40.0],
                 [1.0, 60.0],
             ]),
-            metamers: Curve::of([[0.0, 2.0], [0.1, 6.0], [0.3, 11.0], [1.0, 24.0]]),
-            shoot_scale: Curve::of([[0.0, 0.0], [0.35, 0.04], [0.65, 0.3], [0.88, 0.72], [1.0, 1.0]]),
+            metamers: Curve::of([[0.0, 2.0], [0.1, 3.0], [0.3, 5.0], [1.0, 10.0]]),
+            shoot_scale: spread_shoots(),
             branching_angle: Curve::degrees([[0.0, 80.0], [0.1, 66.0], [0.3, 46.0], [0.6, 35.0]]),
-            phenology: Phenology::default(),
+            phenology: Phenology {
+                leaf_size: Curve::of([[0.0, 0.07], [0.5, 0.13], [1.0, 0.105]]),
+                ..Phenology::default()
+            },
         }
     }
 
@@ -144,9 +140,10 @@ impl Architecture {
     /// A Lombardy poplar over 30 years: a column of branches that all stand up steeply along the trunk, from the ground on.
     pub fn lombardy_poplar() -> Self {
         Self {
-            least_scale: 0.12,
-            most_order: 4,
-            lifespan: Curve::of([[0.0, 1.2], [0.2, 3.0], [0.4, 7.0], [0.5, 12.0], [0.58, 40.0], [1.0, 60.0]]),
+            least_scale: 0.28,
+            most_order: 3,
+            lifespan: long_lived(),
+            metamers: Curve::of([[0.0, 2.0], [0.1, 5.0], [0.3, 7.0], [1.0, 12.0]]),
             years: 30,
             longest_branch: 8.0,
             tropism: 0.5,
@@ -156,8 +153,8 @@ impl Architecture {
             mature_silhouette: Curve::of([[0.0, 0.75], [0.5, 0.62], [0.8, 0.36], [1.0, 0.06]]),
             short_heading: Curve::degrees([[0.0, 0.0], [0.3, 10.0], [1.0, 22.0]]),
             long_heading: Curve::degrees([[0.0, 0.0], [0.2, 16.0], [1.0, 24.0]]),
-            branch_scale: Curve::of([[0.0, 0.8], [0.5, 0.9], [1.0, 0.8]]),
             branching_angle: Curve::degrees([[0.0, 64.0], [0.15, 50.0], [0.5, 36.0]]),
+            phenology: Phenology::default(),
             ..Self::cottonwood()
         }
     }
@@ -165,19 +162,18 @@ impl Architecture {
     /// A weeping birch over 30 years: limbs rise, their ends and all twigs hang, long and thin.
     pub fn weeping_birch() -> Self {
         Self {
-            branch_scale: Curve::of([[0.0, 0.5], [0.12, 0.75], [0.3, 1.0], [0.8, 0.95], [1.0, 0.8]]),
-            metamers: Curve::of([[0.0, 1.0], [0.1, 5.0], [0.3, 9.0], [1.0, 20.0]]),
+            metamers: Curve::of([[0.0, 1.0], [0.1, 4.0], [0.3, 5.0], [0.6, 5.0], [1.0, 9.0]]),
             lifespan: Curve::of([
                 [0.0, 1.2],
-                [0.2, 2.0],
-                [0.4, 4.0],
-                [0.52, 7.0],
-                [0.62, 14.0],
-                [0.7, 40.0],
+                [0.2, 3.0],
+                [0.4, 6.0],
+                [0.55, 11.0],
+                [0.66, 20.0],
+                [0.75, 40.0],
                 [1.0, 60.0],
             ]),
             most_order: 4,
-            least_scale: 0.22,
+            least_scale: 0.27,
             years: 30,
             longest_branch: 5.0,
             stoutness: 0.0045,
@@ -309,18 +305,10 @@ impl Architecture {
     /// An oak in the open over 40 years: a short trunk and a crown wider than high, on level, crooked limbs.
     pub fn spreading_oak() -> Self {
         Self {
-            branch_scale: Curve::of([[0.0, 0.6], [0.12, 0.85], [0.3, 1.0], [1.0, 0.9]]),
-            metamers: Curve::of([[0.0, 1.0], [0.1, 5.0], [0.3, 9.0], [1.0, 16.0]]),
-            lifespan: Curve::of([
-                [0.0, 1.0],
-                [0.2, 2.0],
-                [0.4, 4.0],
-                [0.6, 8.0],
-                [0.72, 14.0],
-                [0.82, 60.0],
-                [1.0, 80.0],
-            ]),
-            least_scale: 0.24,
+            branch_scale: Curve::of([[0.0, 0.85], [0.2, 1.0], [1.0, 0.95]]),
+            metamers: Curve::of([[0.0, 1.0], [0.1, 2.0], [0.3, 3.0], [1.0, 6.0]]),
+            lifespan: long_lived(),
+            least_scale: 0.36,
             most_order: 4,
             years: 40,
             least_shoot: 0.015,
@@ -338,6 +326,12 @@ impl Architecture {
             ..Self::cottonwood()
         }
     }
+}
+
+/// The scale of branches along their parent branch, where those at its base are nearly as strong as the others, so that limbs are
+/// clothed from their bases on.
+fn even_branches() -> Curve {
+    Curve::of([[0.0, 0.75], [0.2, 0.95], [1.0, 0.9]])
 }
 
 /// The lifespan of branches of trees whose twigs stay: all but the weakest live as long as the tree.

@@ -126,14 +126,14 @@ const GROWN: &[Grown] = &[
         12,
         "The second shoot of a seedling unfolds.",
         &[1.33, 1.38, 1.42, 1.46, 1.5, 1.6],
-        || Ok(Architecture::cottonwood().with_most_order(0)),
+        shoot,
     ),
     Grown::new(
         "growth-13-foliage",
         13,
         "Leaves come, turn and fall in one year.",
-        &[8.2, 8.36, 8.42, 8.6, 8.78, 8.82, 8.86, 9.0],
-        || Ok(Architecture::cottonwood()),
+        &[8.2, 8.34, 8.42, 8.6, 8.78, 8.82, 8.86, 9.0],
+        foliage,
     ),
     Grown::new(
         "growth-15-cottonwood",
@@ -178,6 +178,17 @@ const GROWN: &[Grown] = &[
     )
     .like(look::CHESTNUT, || Leaf::palmate().with_petiole(0.7)),
 ];
+
+/// Figure 12: a shoot alone.
+fn shoot() -> Result<Architecture, ParameterError> {
+    Ok(foliage()?.with_most_order(0))
+}
+
+/// Figure 13: vigorous shoots of many metamers, whose leaves unfold one after another.
+fn foliage() -> Result<Architecture, ParameterError> {
+    let metamers = Curve::new([[0.0, 2.0], [0.1, 6.0], [0.3, 11.0], [1.0, 24.0]])?;
+    Ok(Architecture::cottonwood().with_metamers(metamers))
+}
 
 /// Figure 8: two branches per year in one plane, straight, none scaled, none lost.
 fn lengths() -> Result<Architecture, ParameterError> {

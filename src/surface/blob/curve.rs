@@ -1,5 +1,6 @@
-//! Curves with a thickness, as cone segments.
+//! Curves with a thickness, as pieces that bend and cone segments.
 
+use super::bend::Course;
 use super::error::BlobError;
 use super::primitive::Primitive;
 use super::{BARK, FieldFunction};
@@ -8,15 +9,21 @@ use glam::Vec3;
 
 /// Most cone segments between two points.
 const MOST_PARTS: f32 = 64.0;
+/// Times the turn of cone segments: that of a piece that bends.
+const PIECE: f32 = 3.0;
+/// What turns by less than this, radians, is straight.
+const STRAIGHT: f32 = 0.005;
 /// Cosine of the sharpest turn that is rounded, 120°; at a sharper one the curve has a corner.
 const SHARPEST_TURN: f32 = -0.5;
 
-/// A smooth curve through points, with a radius interpolated between theirs, monotone and smooth: a skeletal primitive made of cone segments.
+/// A smooth curve through points, with a radius interpolated between theirs, monotone and smooth: a skeletal primitive made of pieces.
 ///
 /// Between two points lies the cubic Hermite curve with the tangents of Catmull and Rom 1974 for points at their chords'
-/// lengths, each as long as the chord. Cone segments follow it so finely that, where it bends evenly, none turns by more than
-/// [`with_turn`](Self::with_turn) against the next. On the outer side of a bend, and where it tapers ever more, the surface is round
-/// where they meet; on the inner side it has a crease of that turn. There are at most 64 from point to point, and corners
+/// lengths, each as long as the chord. Pieces that bend follow it, at most three times
+/// [`with_turn`](Self::with_turn) each; two that meet share direction, radius and taper, so the surface has no crease on
+/// either side of a bend. Where the axis turns within less than about two radii, or the radius changes by more than
+/// half a metre per metre, straight cone segments take their place: the surface is round on the outer side where they
+/// meet, and has a crease of one turn on the inner side. There are at most 64 pieces from point to point, and corners
 /// sharper than 120° stay.
 #[must_use]
 #[derive(Debug, Clone, PartialEq)]
@@ -49,7 +56,8 @@ impl Curve {
         self
     }
 
-    /// The greatest turn between two cone segments, radians, 0.01 to 3; default 0.15.
+    /// The greatest turn between two cone segments, and a third of that of a piece that bends, radians, 0.01 to 3; default
+    /// 0.15.
     pub fn with_turn(mut self, radians: f32) -> Self {
         self.turn = radians;
         self
@@ -114,41 +122,46 @@ impl Curve {
                 [i.saturating_sub(1), (i + 1).min(rises.len() - 1)].map(|k| between(rises[k], rises[i]));
             let bend = math::angle_between(leaving, way) + math::angle_between(way, arriving);
             let turn = bend + (rise[0] - rises[i]).abs() + (rise[1] - rises[i]).abs();
-            // NaN if there are points that are not finite.
-            let parts = ((turn / self.turn).ceil().min(MOST_PARTS) as u32).max(1);
-            let length = way.length();
-            let slopes = [leaving.normalize_or_zero() * length, arriving.normalize_or_zero() * length];
-            let at = |k: u32| {
-                let t = k as f32 / parts as f32;
-                // The Hermite polynomials.
-                let (back, square) = (1.0 - t, t * t);
-                let point = from * ((1.0 + 2.0 * t) * back * back)
-                    + to * (square * (3.0 - 2.0 * t))
-                    + slopes[0] * (t * back * back)
-                    - slopes[1] * (square * back);
-                let point = if k == 0 {
-                    from
-                } else if k == parts {
-                    to
-                } else {
-                    point
-                };
-                let radius = start * ((1.0 + 2.0 * t) * back * back)
-                    + end * (square * (3.0 - 2.0 * t))
-                    + length * (rise[0] * (t * back * back) - rise[1] * (square * back));
-                let radius = if k == 0 {
-                    start
-                } else if k == parts {
-                    end
-                } else {
-                    radius
-                };
-                (point, radius.max(start.min(end)).min(start.max(end)))
+            let span = Span {
+                ends: [from, to],
+                radii: [start, end],
+                directions: [leaving, arriving].map(Vec3::normalize_or_zero),
+                rises: rise,
             };
-            for k in 0..parts {
-                let [(from, start), (to, end)] = [at(k), at(k + 1)];
-                cones.push(cone([from, to], [start, end]));
+            let parts = |turn: f32, most: f32| {
+                // NaN if there are points that are not finite.
+                let parts = ((turn / most).ceil().min(MOST_PARTS) as u32).max(1);
+                let knots = (0..=parts).map(|k| span.at(k as f32 / parts as f32));
+                knots.collect::<Vec<_>>()
+            };
+            let cones_of = |knots: &[Knot]| {
+                let pair =
+                    |pair: &[Knot]| cone([pair[0].point, pair[1].point], [pair[0].radius, pair[1].radius]);
+                knots.windows(2).map(pair).collect::<Vec<_>>()
+            };
+            if turn > STRAIGHT {
+                // As many pieces as keep each within a radius of its chord, for boxes to be narrow; no more
+                // than there would be cones.
+                let pieces = (0.15 * bend * way.length() / start.min(end)).sqrt();
+                let knots = parts(turn, (turn / pieces).clamp(self.turn, PIECE * self.turn));
+                // A piece goes on where its neighbour has its direction.
+                let goes_on = |i: usize| i > 0 && i < ways.len() && !is_corner(ways[i - 1], ways[i]);
+                let (first, last) = (!goes_on(i), !goes_on(i + 1));
+                let count = knots.len() - 1;
+                let bent = cones_of(&knots).into_iter().zip(knots.windows(2)).enumerate();
+                let bent = bent.map(|(k, (cone, pair))| {
+                    cone.bent(&Course {
+                        directions: [pair[0].direction, pair[1].direction],
+                        slopes: [pair[0].slope, pair[1].slope],
+                        is_flat: [!first || k > 0, !last || k + 1 < count],
+                    })
+                });
+                if let Some(bent) = bent.collect::<Option<Vec<_>>>() {
+                    cones.extend(bent);
+                    continue;
+                }
             }
+            cones.extend(cones_of(&parts(turn, self.turn)));
         }
         Ok(cones)
     }
@@ -166,6 +179,55 @@ impl Curve {
     }
 }
 
+/// The curve between two points.
+struct Span {
+    ends: [Vec3; 2],
+    radii: [f32; 2],
+    directions: [Vec3; 2],
+    /// The slope of the radius at each.
+    rises: [f32; 2],
+}
+
+/// A place of a curve.
+struct Knot {
+    point: Vec3,
+    direction: Vec3,
+    radius: f32,
+    slope: f32,
+}
+
+impl Span {
+    fn at(&self, t: f32) -> Knot {
+        let ([from, to], [start, end], rise) = (self.ends, self.radii, self.rises);
+        let length = from.distance(to);
+        let slopes = self.directions.map(|direction| direction * length);
+        if t <= 0.0 || t >= 1.0 {
+            let i = usize::from(t >= 1.0);
+            let (point, radius) = (self.ends[i], self.radii[i]);
+            return Knot { point, direction: self.directions[i], radius, slope: rise[i] };
+        }
+        // The Hermite polynomials.
+        let (back, square) = (1.0 - t, t * t);
+        let point = from * ((1.0 + 2.0 * t) * back * back)
+            + to * (square * (3.0 - 2.0 * t))
+            + slopes[0] * (t * back * back)
+            - slopes[1] * (square * back);
+        let radius = start * ((1.0 + 2.0 * t) * back * back)
+            + end * (square * (3.0 - 2.0 * t))
+            + length * (rise[0] * (t * back * back) - rise[1] * (square * back));
+        // Their derivatives.
+        let [over, first, last] = [6.0 * t * back, back * (1.0 - 3.0 * t), t * (3.0 * t - 2.0)];
+        let change = (to - from) * over + slopes[0] * first + slopes[1] * last;
+        let slope = (end - start) * over + length * (rise[0] * first + rise[1] * last);
+        Knot {
+            point,
+            direction: change.normalize_or_zero(),
+            radius: radius.max(start.min(end)).min(start.max(end)),
+            slope: slope / change.length().max(f32::MIN_POSITIVE),
+        }
+    }
+}
+
 /// The slope of the radius between two cones' (Fritsch and Butland 1984): no radius then leaves the range of its neighbours.
 fn between(before: f32, after: f32) -> f32 {
     if before * after > 0.0 { 2.0 * before * after / (before + after) } else { 0.0 }
@@ -175,5 +237,10 @@ fn between(before: f32, after: f32) -> f32 {
 fn tangent(before: Vec3, after: Vec3, way: Vec3) -> Vec3 {
     let [a, b] = [before.length(), after.length()];
     let (first, second) = (before.normalize_or_zero(), after.normalize_or_zero());
-    if first.dot(second) < SHARPEST_TURN { way } else { (first * b + second * a).normalize_or(way) }
+    if is_corner(before, after) { way } else { (first * b + second * a).normalize_or(way) }
+}
+
+/// `true` if a curve turns too sharply between two ways to be rounded.
+fn is_corner(before: Vec3, after: Vec3) -> bool {
+    before.normalize_or_zero().dot(after.normalize_or_zero()) < SHARPEST_TURN
 }

@@ -16,6 +16,7 @@
 //! Fields are never negative, so parts out of reach make no difference; that is what the bounding hierarchy lives on.
 //! [`BlobTree::value`] and all that polygonizers and ray casters see is F - 1/2, so that the surface is at 0 (equation 1).
 
+mod bend;
 mod bounded;
 mod builder;
 mod curve;

@@ -1,6 +1,7 @@
 //! Skeletal primitives: points, lines and cone segments with a field around them.
 
 use super::FieldFunction;
+use super::bend::{Bend, Course};
 use crate::surface::implicit::span::{Passage, Span};
 use crate::{Bounds, ParameterError};
 use glam::Vec3;
@@ -28,6 +29,9 @@ pub struct Primitive {
     pub(super) field: FieldFunction,
     pub(super) strength: f32,
     pub(super) color: [f32; 3],
+    /// Its axis and radius, if they are not straight.
+    #[cfg_attr(feature = "serde", serde(skip))]
+    bend: Option<Bend>,
 }
 
 crate::recipe::readable!(Primitive { field: FieldFunction, strength: f32, color: [f32; 3] });
@@ -46,7 +50,7 @@ impl Primitive {
     /// A cone segment with round ends and a radius at each, metres.
     pub fn cone(ends: [Vec3; 2], radii: [f32; 2]) -> Self {
         let bark = super::BARK;
-        Self { ends, radii, field: FieldFunction::default(), strength: 1.0, color: bark }
+        Self { ends, radii, field: FieldFunction::default(), strength: 1.0, color: bark, bend: None }
     }
 
     /// The field function; default [`FieldFunction::Smooth`] with the width 1/2.
@@ -84,9 +88,26 @@ impl Primitive {
         self.ends[0].distance(self.ends[1])
     }
 
+    /// With an axis of such a course, if it does not bend too sharply for one piece.
+    pub(super) fn bent(self, course: &Course) -> Option<Self> {
+        let bend = Bend::new(self.ends[1] - self.ends[0], course, self.radii, self.field.reach())?;
+        Some(Self { bend: Some(bend), ..self })
+    }
+
     /// Cut in two, at a fraction of its length: together they are as it was.
     pub(super) fn halves(self, t: f32) -> [Self; 2] {
         let ([from, to], [start, end]) = (self.ends, self.radii);
+        if let Some(bend) = self.bend {
+            let (place, courses) = bend.halves(t);
+            let (middle, radius) = (from + place, bend.radius_at(t));
+            let parts = [([from, middle], [start, radius]), ([middle, to], [radius, end])];
+            let part = |i: usize| {
+                let (ends, radii) = parts[i];
+                let straight = Self { ends, radii, bend: None, ..self };
+                straight.bent(&courses[i]).unwrap_or(straight)
+            };
+            return [part(0), part(1)];
+        }
         let (place, radius) = (from.lerp(to, t), start + (end - start) * t);
         [
             Self { ends: [from, place], radii: [start, radius], ..self },
@@ -111,7 +132,7 @@ impl Primitive {
     }
 }
 
-/// A primitive as it is evaluated, 64 bytes.
+/// A primitive as it is evaluated, 128 bytes.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Leaf {
     from: Vec3,
@@ -126,6 +147,8 @@ pub(super) struct Leaf {
     pub(super) color: [f32; 3],
     /// Number of the affine warp that takes points into its space; 0 is none.
     pub(super) warp: u32,
+    /// Its axis and radius if they are not straight.
+    bend: Option<Bend>,
 }
 
 /// Knowledge of a field in a cube.
@@ -164,6 +187,7 @@ impl Leaf {
             strength: primitive.strength,
             color: primitive.color,
             warp,
+            bend: primitive.bend,
         }
     }
 
@@ -183,6 +207,9 @@ impl Leaf {
 
     /// A box of its own space that holds every point where it is felt.
     pub(super) fn bounds(&self) -> Bounds {
+        if let Some(bend) = &self.bend {
+            return bend.bounds(self.from, self.field.reach());
+        }
         let at = |end: Vec3, radius: f32| {
             let rounding = ROUNDING * (end.abs().max_element() + self.way.abs().max_element());
             Bounds::around(end, Vec3::splat(radius * self.field.reach() * 1.0001 + rounding))
@@ -224,6 +251,9 @@ impl Leaf {
     #[inline]
     pub(super) fn value(&self, point: Vec3) -> f32 {
         let offset = point - self.from;
+        if let Some(bend) = &self.bend {
+            return self.strength * self.field.value(bend.distance(offset));
+        }
         let (at, square) = self.strongest(offset);
         self.strength * self.field.value(self.distance(offset, at, square))
     }
@@ -232,6 +262,11 @@ impl Leaf {
     #[inline]
     pub(super) fn gradient(&self, point: Vec3) -> (f32, Vec3) {
         let offset = point - self.from;
+        if let Some(bend) = &self.bend {
+            let (distance, direction) = bend.gradient(offset);
+            let (value, slope) = self.field.at(distance);
+            return (self.strength * value, direction * (self.strength * slope));
+        }
         let (fraction, square) = self.strongest(offset);
         let (value, slope) = self.field.at(self.distance(offset, fraction, square));
         let [at, swell] = fraction;
@@ -251,6 +286,9 @@ impl Leaf {
     /// Part of a passage, in its own space, where it may be felt.
     #[cfg_attr(not(feature = "preview"), allow(dead_code, reason = "only rays ask"))]
     pub(super) fn span(&self, passage: &Passage) -> Option<Span> {
+        if let Some(bend) = &self.bend {
+            return bend.span(self.from, passage, self.field.reach());
+        }
         passage.near(self.from, self.way, self.inverse, self.thickest() * self.field.reach())
     }
 
@@ -261,6 +299,12 @@ impl Leaf {
         let along = offset.dot(self.way) * self.inverse;
         let rounding = ROUNDING * (point.abs().max_element() + self.from.abs().max_element() + reach);
         let reach = reach * 1.0001 + rounding;
+        if let Some(bend) = &self.bend {
+            let (range, thin) = bend.range(self.field, offset, reach);
+            let Range { least, most, slope } = range;
+            let of = |share: f32| self.strength * share;
+            return (Range { least: of(least), most: of(most), slope: of(slope) }, thin);
+        }
         // The distance from the axis, and the radius beside the point.
         let beside = clamped(along);
         let away = offset - self.way * beside;

@@ -40,8 +40,8 @@ const NARROW: f32 = 0.25;
 /// base becomes smooth. Both are darkened as far as their bounding field is felt.
 ///
 /// The trunk base is cut off level, 2% of its radius below the root, so that it stands on the ground; across, if the trunk rises less
-/// than 30° there. On the inner side of bends the cone segments of a curve meet in creases of at most
-/// [`with_turn`](Self::with_turn): a smaller turn makes them fainter, and more primitives.
+/// than 30° there. Bends are smooth on their inner side too, unless an axis turns within less than about two of its radii: there cone
+/// segments meet in creases of at most [`with_turn`](Self::with_turn).
 ///
 /// The year in which a shoot grew is that of its nodes in [`Skeleton::stages`]; so any skeleton can wear it, and ages as its
 /// synthesizer counts. Kinks of coarse skeletons are rounded; [`Skeleton::relaxed`] takes them out first.
@@ -114,7 +114,8 @@ impl Skin {
         self
     }
 
-    /// The greatest turn of a surface between two cone segments, radians, 0.01 to 3; default 0.1.
+    /// The greatest turn of a surface between two cone segments, and a third of that of a piece that bends, radians, 0.01 to 3; default
+    /// 0.1. A smaller one makes more primitives.
     pub fn with_turn(mut self, radians: f32) -> Self {
         self.turn = radians;
         self

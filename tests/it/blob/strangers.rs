@@ -133,7 +133,16 @@ pub(crate) fn bridged(skeleton: &Skeleton, skin: &BlobTree) -> [usize; 2] {
         let cell = (place / CELL).floor().as_ivec3().to_array();
         // Fields of each branch there at the place, as a parent branch and as a lateral.
         let mut felt: BTreeMap<usize, [f32; 2]> = BTreeMap::new();
-        let mut within_another = false;
+        // Nor do two pass each other where one of them is still within the wood of what bears it.
+        let is_within = |at: Vec3| {
+            let others = cells.get(&(at / CELL).floor().as_ivec3().to_array()).into_iter().flatten();
+            let mut others = others.map(|&number| &internodes[number as usize]);
+            others.any(|other| {
+                let (axis, radius) = other.nearest(at);
+                !key.contains(&other.branch) && axis.distance(at) < radius
+            })
+        };
+        let mut within_another = is_within(from) || is_within(to);
         for other in cells.get(&cell).into_iter().flatten().map(|&number| &internodes[number as usize]) {
             let (axis, radius) = other.nearest(place);
             let distance = axis.distance(place) / radius;
@@ -157,7 +166,7 @@ pub(crate) fn bridged(skeleton: &Skeleton, skin: &BlobTree) -> [usize; 2] {
 fn branches_that_only_pass_each_other_are_not_bridged() {
     let mut apart = 0;
     for preset in presets::grown().filter(|preset| !preset.planar) {
-        for (seed, age) in [(1, 4.6), (2, 8.6), (3, 12.6)] {
+        for (seed, age) in [(1, 4.6), (2, 8.6), (3, 12.6), (4, 16.6)] {
             let stand = preset.grow(seed).expect("a species").at(age).expect("an age");
             let skin = Skin::default().with_age(age + 1.0).blob_tree(&stand.skeleton).expect("a skin");
             let [pairs, bridges] = bridged(&stand.skeleton, &skin);

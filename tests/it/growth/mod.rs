@@ -2,6 +2,7 @@
 
 mod curves;
 mod figures;
+mod habit;
 mod invariants;
 mod seasons;
 mod timelines;
