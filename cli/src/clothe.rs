@@ -4,13 +4,13 @@ use crate::Failure;
 use crate::failure::refused;
 use crate::number::{Budget, Side, budget, number, side};
 use clap::{Args, ValueEnum};
-use treesynth::{Bounds, Skeleton};
 use treesynth::asset::{Asset, AssetBuilder, Impostor};
 use treesynth::foliage::Leaves;
 use treesynth::species::Specimen;
 use treesynth::surface::blob::Skin;
 use treesynth::surface::{Implicit, Material, Mesh, Part, Polygonizer, Sway, Tubes};
 use treesynth::texture::Bark;
+use treesynth::{Bounds, Skeleton};
 
 /// Blocks of voxels of a skin at most.
 const MOST_BLOCKS: usize = 20_000_000;
@@ -112,7 +112,8 @@ impl Clothes {
         let voxel = (thinnest / detail).max(size.length() * FINEST);
         let thick = radii.iter().map(|&radius| radius.max(THINNEST * voxel)).collect();
         let skin = skin.clone().with_bark(bark.color()).blob_tree(&skeleton.clone().with_radii(thick)?)?;
-        let surface = Polygonizer::default().with_voxel(voxel).with_detail(detail).with_most_blocks(MOST_BLOCKS);
+        let surface =
+            Polygonizer::default().with_voxel(voxel).with_detail(detail).with_most_blocks(MOST_BLOCKS);
         Ok(Box::new(surface.mesh(&skin)?))
     }
 
