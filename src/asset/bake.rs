@@ -139,8 +139,9 @@ fn span(corners: [Vec2; 3], y: f32, left: usize, right: usize) -> (usize, usize)
     let (mut low, mut high) = (f32::INFINITY, f32::NEG_INFINITY);
     for i in 0..3 {
         let (from, to) = (corners[i], corners[(i + 1) % 3]);
-        if from.y != to.y && (from.y <= y || to.y <= y) && (from.y >= y || to.y >= y) {
-            let x = from.x + (to.x - from.x) * ((y - from.y) / (to.y - from.y));
+        let rise = to.y - from.y;
+        if rise.abs() > 0.0 && from.y.min(to.y) <= y && y <= from.y.max(to.y) {
+            let x = from.x + (to.x - from.x) * ((y - from.y) / rise);
             (low, high) = (low.min(x), high.max(x));
         }
     }

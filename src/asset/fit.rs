@@ -98,13 +98,16 @@ fn area(frame: Frame) -> f64 {
     side * side / frame.times() as f64
 }
 
-/// What is seen of a model from all directions together, with the colours that each of `shades` makes.
+/// Makes the colour of a sample.
+type Shade<'a> = &'a (dyn Fn(&Sample) -> [f32; 3] + Sync);
+
+/// Cover and colours of a model from all directions together, with the colours that each of `shades` makes.
 fn seen<const N: usize>(
     parts: &[Part<'_>],
     skins: &[Option<Skin>],
     frame: Frame,
     wanted: Wanted,
-    shades: [&(dyn Fn(&Sample) -> [f32; 3] + Sync); N],
+    shades: [Shade<'_>; N],
     watch: &Watch<'_>,
 ) -> [Tally; N] {
     let (drawn, times) = (drawn(parts, skins), frame.times());
@@ -197,7 +200,7 @@ impl Cards<'_> {
                 best = (off, thicker);
             }
         }
-        if best.1 != thicker {
+        if (best.1 - thicker).abs() > 0.0 {
             self.dress(asset, best.1, [1.0; 3])?;
         }
         let cards = asset.cards.iter().filter(|piece| !piece.instances.is_empty()).count();
