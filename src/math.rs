@@ -82,7 +82,7 @@ pub fn linear(encoded: f32) -> f32 {
 }
 
 /// The same as [`f32::floor`], without the call that processors without SSE 4.1 need; minus zero may become zero.
-#[cfg(feature = "preview")]
+#[cfg(feature = "texture")]
 #[inline]
 pub(crate) fn floor(x: f32) -> f32 {
     if x.abs() < 1e9 {

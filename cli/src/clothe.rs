@@ -4,6 +4,7 @@ use crate::Failure;
 use crate::failure::refused;
 use crate::number::{Budget, Side, budget, number, side};
 use clap::{Args, ValueEnum};
+use std::f32::consts::TAU;
 use treesynth::asset::{Asset, AssetBuilder, Impostor};
 use treesynth::foliage::Leaves;
 use treesynth::species::Specimen;
@@ -18,6 +19,10 @@ const MOST_BLOCKS: usize = 20_000_000;
 const FINEST: f32 = 1.0 / 30_000.0;
 /// Radius of the thinnest twig of a skin, in voxels.
 const THINNEST: f32 = 0.867;
+/// Triangles of a skin, about, where no detail was asked for and its twigs would need more.
+const USUAL: f32 = 4e6;
+/// Triangles for each voxel's side of a surface, about.
+const PER_VOXEL: f32 = 2.5;
 /// Triangles of each level over those of the one before.
 const SHARE: f32 = 0.3;
 
@@ -50,7 +55,8 @@ pub(crate) struct Clothes {
     /// Surface of the branches
     #[arg(long, value_enum, default_value = "tubes", value_name = "KIND")]
     pub(crate) surface: Surface,
-    /// Voxels per radius of the closed surface and the skin, 0.867 to 64 [default: 1]
+    /// Voxels per radius of the closed surface and the skin, 0.867 to 64 [default: 1, but a skin has voxels so large that it
+    /// has some four million triangles at most; twigs thinner than these are thickened to them]
     #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = number(0.867..=64.0_f32, "voxels per radius"))]
     pub(crate) detail: Option<f32>,
 }
@@ -104,12 +110,23 @@ impl Clothes {
 
     /// The closed mesh of a skeleton in a skin, with its colours; twigs thinner than a voxel are thickened to that.
     fn skin(&self, skeleton: &Skeleton, skin: &Skin, bark: Material) -> Result<Box<Mesh>, Failure> {
-        let detail = self.detail.unwrap_or(1.0);
-        let radii = skeleton.radii();
+        let (radii, positions) = (skeleton.radii(), skeleton.positions());
         let thinnest = radii.iter().copied().filter(|&radius| radius > 0.0).fold(f32::INFINITY, f32::min);
         let thickest = radii.iter().copied().fold(0.0, f32::max);
-        let size = Bounds::of(skeleton.positions().iter().copied()).grown(2.0 * thickest).size();
-        let voxel = (thinnest / detail).max(size.length() * FINEST);
+        let size = Bounds::of(positions.iter().copied()).grown(2.0 * thickest).size();
+        let least = size.length() * FINEST;
+        let area = |voxel: f32| {
+            let wide = |node: usize| TAU * radii[node].max(THINNEST * voxel);
+            skeleton
+                .edges()
+                .map(|(node, parent)| wide(node) * positions[node].distance(positions[parent]))
+                .sum::<f32>()
+        };
+        let detail = self.detail.unwrap_or(1.0);
+        let mut voxel = (thinnest / detail).max(least);
+        while self.detail.is_none() && PER_VOXEL * area(voxel) > USUAL * voxel * voxel {
+            voxel *= 1.1;
+        }
         let thick = radii.iter().map(|&radius| radius.max(THINNEST * voxel)).collect();
         let skin = skin.clone().with_bark(bark.color()).blob_tree(&skeleton.clone().with_radii(thick)?)?;
         let surface =

@@ -3,7 +3,7 @@
 mod stand;
 
 use crate::arguments::Common;
-use crate::clothe::Clothes;
+use crate::clothe::{Clothes, Surface};
 use crate::failure::refused;
 use crate::number::{number, text};
 use crate::progress::Bar;
@@ -113,7 +113,8 @@ impl Options {
             ("--metamers", self.metamers.is_some()),
             ("--animation", self.animation),
             ("--models", self.models),
-            ("--surface closed or skin", self.clothes.surface != crate::clothe::Surface::Tubes),
+            ("--surface closed", self.clothes.surface == Surface::Closed),
+            ("--surface skin", self.clothes.surface == Surface::Skin),
             ("--detail", self.clothes.detail.is_some()),
             ("--wind", self.clothes.wind),
             ("--levels", self.clothes.levels.is_some_and(|levels| levels > 1)),

@@ -125,7 +125,7 @@ struct Corner {
     depth: f32,
 }
 
-/// Points of a picture: 32 bytes each.
+/// Points of a picture: 36 bytes each.
 const MOST_POINTS: usize = 1 << 24;
 
 /// Points about a copy that are tried, at the most, to find out whether it is hidden.
@@ -238,10 +238,7 @@ impl Raster {
         let (columns, rows) = (self.width * self.samples, self.height * self.samples);
         let (low, high) = (a.at.min(b.at).min(c.at), a.at.max(b.at).max(c.at));
         // The points of the picture are in the middles of unit squares.
-        let first = |low: f32| {
-            let low = (low - 0.5).max(0.0);
-            low as usize + usize::from((low as usize as f32) < low)
-        };
+        let first = |low: f32| (-math::floor(0.5 - low)) as usize;
         let (left, right) = (first(low.x), ((high.x + 0.5) as usize).min(columns));
         let (top, bottom) = (first(low.y), ((high.y + 0.5) as usize).min(rows));
         if left >= right || top >= bottom {

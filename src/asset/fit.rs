@@ -156,7 +156,7 @@ impl Cards<'_> {
         let (mut larger, (mut low, mut high)) = (1.0f32, LARGER);
         let mut off = excess(asset)?;
         let mut best = (off, larger);
-        // Cover grows about as the size does, for cards hide each other; from the second step on as it has been seen to.
+        // Growth of the cover with the size: about even, for cards hide each other; then as the last step found it.
         let mut slope = 1.0;
         for _ in 0..7 {
             if off.abs() < NEAR {

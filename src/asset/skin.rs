@@ -115,16 +115,19 @@ impl Near {
     fn new(image: &Image, uv: Vec2) -> Self {
         let (width, height) = (image.width(), image.height());
         let at = uv * Vec2::new(width as f32, height as f32) - Vec2::splat(0.5);
-        // Not by a call of `floor`, which takes longer than all the rest.
-        let floor = |x: f32| (x as i32).saturating_sub(i32::from((x as i32) as f32 > x));
-        let (left, top) = (floor(at.x), floor(at.y));
-        let Vec2 { x, y } = at - Vec2::new(left as f32, top as f32);
-        let wrap = |i: i32, count: u32| {
+        let low = Vec2::new(math::floor(at.x), math::floor(at.y));
+        let Vec2 { x, y } = at - low;
+        let wrap = |i: f32, count: u32| {
+            let whole = i as i64;
             // Mostly it is in the image, and needs no division.
-            if (i as u32) < count { i as usize } else { i.rem_euclid(count as i32) as usize }
+            if (0..i64::from(count)).contains(&whole) {
+                whole as usize
+            } else {
+                whole.rem_euclid(i64::from(count)) as usize
+            }
         };
-        let (left, right) = (wrap(left, width), wrap(left.wrapping_add(1), width));
-        let (top, bottom) = (wrap(top, height), wrap(top.wrapping_add(1), height));
+        let (left, right) = (wrap(low.x, width), wrap(low.x + 1.0, width));
+        let (top, bottom) = (wrap(low.y, height), wrap(low.y + 1.0, height));
         let [top, bottom] = [top, bottom].map(|row| row * width as usize);
         let channels = usize::from(image.channels());
         Self {

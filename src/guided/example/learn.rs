@@ -184,8 +184,8 @@ impl Crown {
     /// `true` if branches may end there.
     pub(super) fn contains(&self, point: Vec3) -> bool {
         let height = point.y - self.base.y;
-        let is_low = height >= self.low && height <= self.high;
-        !self.is_known || is_low && self.radius(point) <= self.radii[self.layer(point)]
+        let is_level = height >= self.low && height <= self.high;
+        !self.is_known || is_level && self.radius(point) <= self.radii[self.layer(point)]
     }
 }
 
@@ -195,8 +195,8 @@ impl Crown {
 pub struct TrunkTraits {
     /// From its base to its top, metres.
     pub chord: Vec3,
-    /// Largest distance of its nodes from that line, over the line's length, at most 0.5; less where its top alone turns
-    /// aside, and where a [`Leader`](crate::guided::Leader) would become longer than it is.
+    /// Largest distance of its nodes from that line, over the line's length, at most 0.5; less where its bole is straighter
+    /// than its top, and where a [`Leader`](crate::guided::Leader) would become longer than it is.
     pub waywardness: f32,
     /// Metres of trunk below the first branch.
     pub clear_bole: f32,
@@ -210,27 +210,31 @@ impl TrunkTraits {
             return Self { chord: UP, waywardness: 0.0, clear_bole: 0.0, diameter: 0.0 };
         };
         let chord = branch.chord();
-        let waywardness = waywardness(&branch.points).min(0.5);
         let trunk = &models[0][0];
         let clear = trunk.laterals.first().map_or(1.0, |lateral| lateral.share) * trunk.length;
+        let waywardness = waywardness(&branch.points, clear).min(0.5);
         Self { chord, waywardness, clear_bole: clear, diameter: base_radius(skeleton) * 2.0 }
     }
 }
 
-/// Largest distance of points from the line between the first and the last, over its length; as much less as the middle one of their
-/// two halves and the half between says, for an arc's halves stray half as far: a top that turns aside makes no bole crooked.
-fn waywardness(points: &[Vec3]) -> f32 {
+/// Waywardness of an axis: the largest distance of its points from the line between its ends, over the line's length. Less where a part of
+/// it is straighter than that part of an arc as wayward would be, for an axis may go on in a limb that turns aside, and its bole is
+/// no more crooked for that: the middle one of both halves and the half between, and the first `clear` metres.
+fn waywardness(points: &[Vec3], clear: f32) -> f32 {
     let strays = |points: &[Vec3]| {
         let chord = points[points.len() - 1] - points[0];
         let line = chord.normalize_or(UP);
         let away = |point: &Vec3| (point - points[0]).reject_from_normalized(line).length();
         points.iter().map(away).fold(0.0, f32::max) / chord.length().max(1e-6)
     };
-    let (last, quarter) = (points.len() - 1, (points.len() - 1) / 4);
+    let last = points.len() - 1;
     let mut halves =
-        [0, quarter, last / 2].map(|first| strays(&points[first..=(first + last.div_ceil(2)).min(last)]));
+        [0, last / 4, last / 2].map(|first| strays(&points[first..=(first + last.div_ceil(2)).min(last)]));
     halves.sort_by(f32::total_cmp);
-    strays(points).min(2.0 * halves[1])
+    let bole = points.iter().take_while(|point| point.distance(points[0]) <= clear).count();
+    let share = points[bole.max(1) - 1].distance(points[0]) / points[last].distance(points[0]).max(1e-6);
+    let of_bole = if bole > 3 && share < 1.0 { strays(&points[..bole]) / share } else { f32::INFINITY };
+    strays(points).min(2.0 * halves[1]).min(of_bole)
 }
 
 /// The radius of the trunk base, metres; that of the thickest branch there if the root itself has none; 0 without thickness.

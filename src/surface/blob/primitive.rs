@@ -29,7 +29,7 @@ pub struct Primitive {
     pub(super) field: FieldFunction,
     pub(super) strength: f32,
     pub(super) color: [f32; 3],
-    /// Its axis and radius, if they are not straight.
+    /// Its axis and radius, if they are not straight: in the pieces of a `Curve`, which are given to nobody and so never saved.
     #[cfg_attr(feature = "serde", serde(skip))]
     bend: Option<Bend>,
 }
