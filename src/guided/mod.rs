@@ -10,6 +10,7 @@
 
 mod around;
 mod context;
+mod curve;
 mod drawn;
 mod edit;
 mod endpoint;

@@ -278,3 +278,18 @@ fn boles_are_as_straight_as_the_examples() {
         assert!(found[4] <= wanted + 0.03 && found[8] <= wanted + 0.06, "{name}: {wanted}, found {found:?}");
     }
 }
+
+/// A trunk that goes on in a limb ends low; trees without tuning are as tall as the example all the same.
+#[test]
+fn trees_are_as_tall_as_the_example() {
+    for name in ["fine-oak", "fine-ash", "fine-linden", "fine-elm", "figure-06b", "figure-07"] {
+        for nodes in [8_000, 40_000] {
+            let tree = presets::by_name(name).unwrap().guided().unwrap().synth(nodes).synthesize(1).unwrap();
+            let example = Example::of(&tree).unwrap();
+            let height = |tree: &Skeleton| Metrics::of(tree).height;
+            let found: Vec<f64> =
+                (1..=6).map(|seed| height(&example.grow(nodes, seed).unwrap()) / height(&tree)).collect();
+            assert!(found.iter().all(|ratio| (0.8..1.2).contains(ratio)), "{name}, {nodes}: {found:.2?}");
+        }
+    }
+}

@@ -1,5 +1,6 @@
 //! One line of a drawing, in space or on a plane.
 
+use crate::guided::curve::centripetal;
 use crate::parameter::ParameterError;
 #[cfg(feature = "import")]
 use crate::shape::path_lines;
@@ -207,17 +208,4 @@ impl Stroke {
         }
         course
     }
-}
-
-/// The centripetal Catmull-Rom curve from `p[1]` to `p[2]`, by Barry and Goldman's pyramid.
-fn centripetal(p: [Vec3; 4], t: f32) -> Vec3 {
-    let mut knots = [0.0f32; 4];
-    for i in 1..4 {
-        knots[i] = knots[i - 1] + p[i - 1].distance(p[i]).sqrt().max(1e-12);
-    }
-    let at = knots[1] + (knots[2] - knots[1]) * t;
-    let mix = |a: Vec3, b: Vec3, i: usize, j: usize| a.lerp(b, (at - knots[i]) / (knots[j] - knots[i]));
-    let [a, b, c] = [mix(p[0], p[1], 0, 1), mix(p[1], p[2], 1, 2), mix(p[2], p[3], 2, 3)];
-    let (d, e) = (mix(a, b, 0, 2), mix(b, c, 1, 3));
-    mix(d, e, 1, 2)
 }

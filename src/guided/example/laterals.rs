@@ -67,8 +67,20 @@ impl LateralsLike {
 
     /// Laterals of one branch.
     pub(super) fn of_branch(&self, axis: &Axis, random: &mut ChaCha8Rng) -> Vec<Planned> {
+        let model = self.model(axis.length(), random);
+        model.map_or_else(Vec::new, |model| self.like_model(model, axis, random))
+    }
+
+    /// Laterals of one branch after the model nearest in length that has any.
+    pub(super) fn of_bearer(&self, axis: &Axis, random: &mut ChaCha8Rng) -> Vec<Planned> {
+        let away = |model: &&Model| (model.length - axis.length()).abs();
+        let bearers = self.models.iter().filter(|model| !model.laterals.is_empty());
+        let model = bearers.min_by(|a, b| away(a).total_cmp(&away(b)));
+        model.map_or_else(Vec::new, |model| self.like_model(model, axis, random))
+    }
+
+    fn like_model(&self, model: &Model, axis: &Axis, random: &mut ChaCha8Rng) -> Vec<Planned> {
         let mut planned = Vec::new();
-        let Some(model) = self.model(axis.length(), random) else { return planned };
         let scale = (axis.length() / model.length.max(1e-6)).clamp(0.5, 2.0);
         let gap = 1.0 / model.laterals.len().max(1) as f32;
         let gap = if self.order == 0 { gap.min(WIDEST_GAP) } else { gap };
@@ -103,7 +115,7 @@ impl LateralsLike {
                 };
                 let vary = 1.0 + 0.1 * (2.0 * random.random::<f32>() - 1.0);
                 let mut way = way * self.stretch * (scale * vary);
-                let base = axis.points[place];
+                let base = axis.line.points[place];
                 if !self.crown.contains(base + way) {
                     // To where the crown ends, or a little less far.
                     let (mut inside, mut outside) = (0.0, 1.0);
@@ -142,7 +154,8 @@ impl EndpointPolicy for LateralsLike {
                     let mut random = stream(view.seed(), view.stage() as u32, Purpose::ENDPOINTS, number);
                     let axis = Axis::of(&tree, &branch);
                     let planned = self.of_branch(&axis, &mut random);
-                    targets.extend(planned.iter().map(|lateral| axis.points[lateral.place] + lateral.way));
+                    targets
+                        .extend(planned.iter().map(|lateral| axis.line.points[lateral.place] + lateral.way));
                 }
             }
         }

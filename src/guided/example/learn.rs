@@ -1,6 +1,8 @@
 //! Measurements on an example.
 
 use super::axis::{Axis, frame};
+use crate::guided::curve::Line;
+use crate::guided::graph::Leader;
 use crate::math::{UP, ln};
 use crate::metrics::branch_angles;
 use crate::skeleton::Skeleton;
@@ -68,7 +70,7 @@ pub(super) fn models(skeleton: &Skeleton) -> Vec<Vec<Model>> {
         } else {
             Vec3::from_array(frame(bearer.direction(place)).map(|way| chord.dot(way)))
         };
-        let share = bearer.ways[place] / bearer.length().max(f32::MIN_POSITIVE);
+        let share = bearer.line.ways[place] / bearer.length().max(f32::MIN_POSITIVE);
         all[parent].laterals.push(Lateral { share, chord });
     }
     let orders = axes.iter().map(|(order, _)| usize::from(*order) + 1).max().unwrap_or(1);
@@ -195,8 +197,10 @@ impl Crown {
 pub struct TrunkTraits {
     /// From its base to its top, metres.
     pub chord: Vec3,
-    /// Largest distance of its nodes from that line, over the line's length, at most 0.5; less where its bole is straighter
-    /// than its top, and where a [`Leader`](crate::guided::Leader) would become longer than it is.
+    /// From its base to where one to seven eighths of its way are done, metres: how it leans, and turns aside where its axis
+    /// goes on in a limb.
+    pub form: [Vec3; 7],
+    /// [Waywardness](crate::guided::Leader::with_waywardness) of trunks of its kind about that form, at most 0.5.
     pub waywardness: f32,
     /// Metres of trunk below the first branch.
     pub clear_bole: f32,
@@ -206,35 +210,52 @@ pub struct TrunkTraits {
 
 impl TrunkTraits {
     pub(super) fn of(skeleton: &Skeleton, models: &[Vec<Model>]) -> Self {
-        let Some(branch) = skeleton.branches().iter().next().map(|trunk| Axis::of(skeleton, &trunk)) else {
-            return Self { chord: UP, waywardness: 0.0, clear_bole: 0.0, diameter: 0.0 };
+        let Some(axis) = skeleton.branches().iter().next().map(|trunk| Axis::of(skeleton, &trunk)) else {
+            return Self {
+                chord: UP,
+                form: FORM.map(|share| UP * share),
+                waywardness: 0.0,
+                clear_bole: 0.0,
+                diameter: 0.0,
+            };
         };
-        let chord = branch.chord();
         let trunk = &models[0][0];
-        let clear = trunk.laterals.first().map_or(1.0, |lateral| lateral.share) * trunk.length;
-        let waywardness = waywardness(&branch.points, clear).min(0.5);
-        Self { chord, waywardness, clear_bole: clear, diameter: base_radius(skeleton) * 2.0 }
+        let mut traits = Self {
+            chord: axis.chord(),
+            form: FORM.map(|share| axis.line.at(share) - axis.line.points[0]),
+            waywardness: 0.0,
+            clear_bole: trunk.laterals.first().map_or(1.0, |lateral| lateral.share) * trunk.length,
+            diameter: base_radius(skeleton) * 2.0,
+        };
+        let line = traits.leader(axis.line.points[0], 1.0).line();
+        traits.waywardness = waywardness(&axis.line.points, &line);
+        traits
+    }
+
+    /// A trunk of its kind, so many times as high.
+    pub(super) fn leader(&self, base: Vec3, high: f32) -> Leader {
+        let at = |way: Vec3| base + way * Vec3::new(1.0, high, 1.0);
+        Leader::new(base, at(self.chord)).with_points(self.form.map(at)).with_waywardness(self.waywardness)
     }
 }
 
-/// Waywardness of an axis: the largest distance of its points from the line between its ends, over the line's length. Less where a part of
-/// it is straighter than that part of an arc as wayward would be, for an axis may go on in a limb that turns aside, and its bole is
-/// no more crooked for that: the middle one of both halves and the half between, and the first `clear` metres.
-fn waywardness(points: &[Vec3], clear: f32) -> f32 {
-    let strays = |points: &[Vec3]| {
-        let chord = points[points.len() - 1] - points[0];
-        let line = chord.normalize_or(UP);
-        let away = |point: &Vec3| (point - points[0]).reject_from_normalized(line).length();
-        points.iter().map(away).fold(0.0, f32::max) / chord.length().max(1e-6)
+/// Shares of its way at which the form of a trunk is taken.
+const FORM: [f32; 7] = [0.125, 0.25, 0.375, 0.5, 0.625, 0.75, 0.875];
+
+/// Waywardness of waves that a trunk of this form may have beside: as much as its axis strays from it in half of its eighths, since an
+/// axis that goes on in a limb may turn there all at once; at least half of what its lower half strays from a straight line, so
+/// that trunks of a kind differ.
+fn waywardness(points: &[Vec3], form: &Line) -> f32 {
+    let chord = points[0].distance(points[points.len() - 1]).max(1e-6);
+    let stray = |points: &[Vec3], line: &Line| {
+        points.iter().map(|&point| line.distance(point)).fold(0.0, f32::max) / chord
     };
-    let last = points.len() - 1;
-    let mut halves =
-        [0, last / 4, last / 2].map(|first| strays(&points[first..=(first + last.div_ceil(2)).min(last)]));
-    halves.sort_by(f32::total_cmp);
-    let bole = points.iter().take_while(|point| point.distance(points[0]) <= clear).count();
-    let share = points[bole.max(1) - 1].distance(points[0]) / points[last].distance(points[0]).max(1e-6);
-    let of_bole = if bole > 3 && share < 1.0 { strays(&points[..bole]) / share } else { f32::INFINITY };
-    strays(points).min(2.0 * halves[1]).min(of_bole)
+    let mut eighths: Vec<f32> =
+        points.chunks(points.len().div_ceil(8)).map(|points| stray(points, form)).collect();
+    eighths.sort_by(f32::total_cmp);
+    let lower = &points[..points.len().div_ceil(2).max(2)];
+    let straight = Line::new(vec![lower[0], lower[lower.len() - 1]]);
+    eighths[eighths.len() / 2].max(0.5 * stray(lower, &straight)).min(0.5)
 }
 
 /// The radius of the trunk base, metres; that of the thickest branch there if the root itself has none; 0 without thickness.

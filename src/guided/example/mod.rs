@@ -8,22 +8,24 @@ mod redraw;
 
 pub use learn::{OrderTraits, TrunkTraits};
 
-use super::graph::{Leader, PoissonYao};
+use super::graph::PoissonYao;
 use super::refine::Refinement;
 use super::rule::{Bend, ForkAngle};
 use super::synth::{Stage, SynthesisError, TreeSynth};
-use crate::math::cbrt;
+use crate::math::{Rotation, UP, cbrt};
 use crate::metrics::crown_width;
 use crate::parameter::ParameterError;
 use crate::radius::{PipeModel, RadiusModel, Taper};
-use crate::random::{Purpose, derive};
+use crate::random::{Purpose, derive, stream};
 use crate::shape::{Cuboid, LARGEST};
 use crate::skeleton::Skeleton;
 use glam::Vec3;
 use laterals::{FromOrder, LateralsLike, is_round};
 use learn::{Crown, Model, models, traits};
 use radii::TipShare;
+use rand::RngExt;
 use redraw::Redraw;
+use std::f32::consts::TAU;
 use std::ops::RangeInclusive;
 use std::sync::Arc;
 
@@ -39,8 +41,9 @@ use std::sync::Arc;
 /// numbers: [`grow`](Self::grow) draws the branches anew and adds those that the graph had no room for, and
 /// [`tuned`](Self::tuned) grows trees, measures them in the same way and corrects for the rest.
 ///
-/// The trunk is taken to stand: limbs change places around the vertical through its base, and their angles are to it. After a tree that
-/// lies, others lie the same way, but their limbs are not turned around the trunk.
+/// The trunk is taken to stand: limbs change places around the vertical through its base, and their angles are to it; where they
+/// point to all sides, [`grow`](Self::grow) turns each tree about it as a whole. After a tree that lies, others lie the same way,
+/// but their limbs are not turned around the trunk.
 ///
 /// Endpoints are drawn as from a sample, so what the example never does does not happen: one tree says little about
 /// its kind.
@@ -138,7 +141,7 @@ impl Example {
         }
         let mut models = models(skeleton);
         let orders = traits(skeleton, &models);
-        let mut trunk = TrunkTraits::of(skeleton, &models);
+        let trunk = TrunkTraits::of(skeleton, &models);
         let tall = trunk.chord.length();
         if !(tall > 1e-3 && tall <= 1e6) {
             let value = format_args!("a tree with a trunk of {tall} m");
@@ -146,7 +149,6 @@ impl Example {
         }
         let redraw = Redraw::of(skeleton, &models);
         models.truncate(ORDERS);
-        trunk.waywardness = waywardness(&trunk, orders[0].length)?;
         let length: f32 = orders.iter().map(|order| order.length * order.count as f32).sum();
         let (laterals, limbs) = (models.len() - 1, models[0][0].laterals.len());
         Ok(Self {
@@ -248,7 +250,14 @@ impl Example {
     fn grown(&self, nodes: usize, seed: u64, rounds: u64) -> Result<Skeleton, SynthesisError> {
         let laterals: Vec<_> = (1..self.models.len()).map(|order| self.laterals(order)).collect();
         let tree = self.pipeline(nodes, COARSE).synthesize(seed)?;
-        let tree = self.redraw.apply(&tree, &laterals, seed, rounds)?;
+        let mut tree = self.redraw.apply(&tree, &laterals, seed, rounds)?;
+        if self.round {
+            // Their trunks lean and turn aside alike.
+            let turn = Rotation::new(stream(seed, 0, Purpose::AZIMUTH, 0).random::<f32>() * TAU);
+            let turned = |&place: &Vec3| self.base + turn.about(UP, place - self.base);
+            let positions = tree.positions().iter().map(turned).collect();
+            tree = tree.with_positions(positions)?;
+        }
         let radii = self.radius().radii(&tree)?;
         Ok(tree.with_radii(radii)?)
     }
@@ -297,9 +306,7 @@ impl Example {
         let finest = |volume: f32, nodes: f32| cbrt(DENSITY * volume / nodes.max(2.0));
         let mut spacing = finest(volume, nodes as f32).max(self.internode / EDGE);
         let tuning = &self.tuning;
-        let chord = self.trunk.chord * Vec3::new(1.0, tuning.high, 1.0);
-        let leader = Leader::new(self.base, self.base + chord).with_waywardness(self.trunk.waywardness);
-        let graph = PoissonYao::new(region).with_leader(leader);
+        let graph = PoissonYao::new(region).with_leader(self.trunk.leader(self.base, tuning.high));
         // A number out of range is refused by the graph.
         let graph =
             if NODES.contains(&nodes) { graph.with_spacing(spacing) } else { graph.with_nodes(nodes) };
@@ -335,23 +342,4 @@ impl Example {
         }
         synth.with_radius(self.radius())
     }
-}
-
-/// The measured waywardness, or as much less as makes leaders of about the trunk's length: one that turns aside at once
-/// strays far on a short way.
-fn waywardness(trunk: &TrunkTraits, length: f32) -> Result<f32, ParameterError> {
-    let mut waywardness = trunk.waywardness;
-    for _ in 0..24 {
-        let leader = Leader::new(Vec3::ZERO, trunk.chord).with_waywardness(waywardness);
-        let mut sum = 0.0;
-        for seed in 0..8 {
-            let line = leader.skeleton(seed, trunk.chord.length() / 64.0)?;
-            sum += line.positions().windows(2).map(|pair| pair[0].distance(pair[1])).sum::<f32>();
-        }
-        if sum <= 8.0 * length * 1.01 {
-            break;
-        }
-        waywardness *= 0.85;
-    }
-    Ok(waywardness)
 }

@@ -105,7 +105,7 @@ impl Redraw {
         let mut bears = vec![false; axes.len()];
         for (number, (order, axis)) in axes.iter().enumerate() {
             for (place, &node) in axis.nodes.iter().enumerate().skip(usize::from(*order > 0)) {
-                home[node as usize] = (number, axis.ways[place] / axis.length().max(f32::MIN_POSITIVE));
+                home[node as usize] = (number, axis.line.ways[place] / axis.length().max(f32::MIN_POSITIVE));
             }
         }
         for (_, axis) in axes.iter().skip(1) {
@@ -211,7 +211,8 @@ impl<'a> Drawing<'a> {
             let there = self.branches.iter().filter(|branch| branch.order == order + 1).count();
             let mut left = wanted.saturating_sub(there);
             for round in 0..rounds {
-                let mut missing = self.missing(order, like, round);
+                let mut missing =
+                    self.missing(order, like, round, round > 0 && 2 * round >= rounds && left == wanted);
                 missing.shuffle(&mut random);
                 missing.truncate(left);
                 left -= missing.len();
@@ -228,8 +229,15 @@ impl<'a> Drawing<'a> {
     }
 
     /// Laterals that branches of an order should have and have not, each with the number of its parent branch; in later rounds
-    /// all that branches of their lengths have, for there are fewer such branches than in the example.
-    fn missing(&self, order: u16, like: &LateralsLike, round: u64) -> Vec<(usize, Planned)> {
+    /// all that branches of their lengths have, for there are fewer such branches than in the example; `like_bearers` if no
+    /// branch is as long as those that bear any.
+    fn missing(
+        &self,
+        order: u16,
+        like: &LateralsLike,
+        round: u64,
+        like_bearers: bool,
+    ) -> Vec<(usize, Planned)> {
         let mut missing = Vec::new();
         let own = |(_, branch): &(usize, &Drawn)| branch.order == order && branch.nodes.len() > 2;
         for (number, branch) in self.branches.iter().enumerate().filter(own) {
@@ -237,7 +245,12 @@ impl<'a> Drawing<'a> {
             let points = nodes.iter().map(|&node| self.at(node)).collect();
             let mut random =
                 stream(self.seed, u32::from(order), Purpose::COMPLETION, number as u64 | round << 32);
-            let mut planned = like.of_branch(&Axis::new(nodes, points), &mut random);
+            let axis = Axis::new(nodes, points);
+            let mut planned = if like_bearers {
+                like.of_bearer(&axis, &mut random)
+            } else {
+                like.of_branch(&axis, &mut random)
+            };
             for &place in branch.bears.iter().filter(|_| round == 0) {
                 let near = (0..planned.len()).min_by_key(|&i| planned[i].place.abs_diff(place));
                 near.map(|near| planned.remove(near));
@@ -325,13 +338,9 @@ impl<'a> Line<'a> {
     /// Point at a share of its way; the first internode ends at `first`, and from there on the branch comes to its chord.
     fn at(&self, share: f32, first: f32) -> Vec3 {
         let axis = self.axis;
-        let way = share * axis.length();
-        let after = axis.ways.partition_point(|&other| other < way).clamp(1, axis.ways.len() - 1);
-        let (from, to) = (axis.ways[after - 1], axis.ways[after]);
-        let t = if to > from { ((way - from) / (to - from)).clamp(0.0, 1.0) } else { 1.0 };
-        let old = axis.points[after - 1].lerp(axis.points[after], t);
+        let old = axis.line.at(share);
         let Some(leaves) = self.leaves else { return old };
-        let winding = self.turn * (old - (axis.points[0] + axis.chord() * share)) * self.kept;
+        let winding = self.turn * (old - (axis.line.points[0] + axis.chord() * share)) * self.kept;
         if first >= 1.0 {
             return self.base + self.chord;
         }

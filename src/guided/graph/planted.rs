@@ -1,5 +1,6 @@
 //! A tree that stands in a graph from the beginning.
 
+use crate::guided::curve::catmull_rom;
 use crate::math::UP;
 use crate::skeleton::Skeleton;
 use glam::Vec3;
@@ -123,14 +124,4 @@ impl Planted {
         self.lengths.push(length);
         self.radii.push(radius);
     }
-}
-
-/// The uniform Catmull-Rom curve from `p[1]` to `p[2]` (Catmull and Rom 1974).
-fn catmull_rom(p: [Vec3; 4], t: f32) -> Vec3 {
-    let [a, b, c, d] = p;
-    (b * 2.0
-        + (c - a) * t
-        + (a * 2.0 - b * 5.0 + c * 4.0 - d) * (t * t)
-        + (b * 3.0 - a - c * 3.0 + d) * (t * t * t))
-        * 0.5
 }
