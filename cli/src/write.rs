@@ -95,6 +95,18 @@ pub(crate) enum Instances {
     Nodes,
 }
 
+/// Form of images in .glb files.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub(crate) enum Images {
+    /// Smaller; those with alpha are PNG
+    Jpeg,
+    /// Nothing is lost
+    Png,
+}
+
+/// Quality of JPEG images: a bark from two metres looks as it does with PNG.
+const JPEG: u8 = 85;
+
 /// Options for writing files.
 #[derive(Args, Debug)]
 pub(crate) struct Out {
@@ -122,6 +134,9 @@ pub(crate) struct Out {
     /// Round the vertices of .glb files: a third smaller, for readers of `KHR_mesh_quantization`
     #[arg(long)]
     pub(crate) quantize: bool,
+    /// Images without alpha in .glb files, `jpeg` of quality 85 or `png`, which loses nothing
+    #[arg(long, value_enum, default_value = "jpeg", value_name = "FORM")]
+    pub(crate) images: Images,
     /// Side of the picture, 16 to 8192 pixels
     #[arg(long, default_value = "800", value_name = "N", allow_negative_numbers = true, value_parser = number(16..=8192_u32, "pixels"))]
     pub(crate) size: u32,
@@ -166,7 +181,8 @@ impl Out {
         };
         let levels = if self.lod_names { LevelNodes::Named } else { LevelNodes::Extension };
         let options = GlbOptions::default().with_name(name).with_levels(levels);
-        options.with_quantization(self.quantize).with_instancing(instancing)
+        let jpeg = matches!(self.images, Images::Jpeg).then_some(JPEG);
+        options.with_quantization(self.quantize).with_instancing(instancing).with_jpeg(jpeg)
     }
 
     /// Writes one tree; the paths of its files.

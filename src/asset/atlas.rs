@@ -13,6 +13,8 @@ pub(super) const PADDING: usize = 4;
 const THROUGH: f32 = 0.45;
 /// Colour of the light that passes a leaf, relative to that of the light it reflects: yellower, brighter.
 const GLOW: [f32; 3] = [1.35, 1.5, 0.7];
+/// Pixels per side of the smallest cells with normals: in smaller ones a leaf is a pixel.
+const NORMALS: usize = 48;
 /// Pixels with less cover are holes.
 pub(super) const CUTOFF: f32 = 0.5;
 
@@ -32,6 +34,11 @@ impl Grid {
             if columns > rows { rows *= 2 } else { columns *= 2 }
         }
         Self { cell, columns, rows }
+    }
+
+    /// `true` if cells are large enough for normals to be seen.
+    pub(super) fn has_normals(&self) -> bool {
+        self.cell >= NORMALS
     }
 
     /// The corner of what is drawn in a cell, and its size, in texture coordinates.
@@ -59,7 +66,8 @@ pub(super) fn textures(
     let (width, height) = (columns * cell, rows * cell);
     let tones = Tones::new();
     let mut color = vec![0; width * height * 4];
-    let mut normal = [128u8, 128, 255].repeat(width * height);
+    let has_normals = grid.has_normals();
+    let mut normal = if has_normals { [128u8, 128, 255].repeat(width * height) } else { Vec::new() };
     // Light from behind is soft: half as many pixels each way are enough.
     let (wide, high) = (width / 2, height / 2);
     let mut glow = vec![0.0f32; wide * high * 3];
@@ -76,7 +84,9 @@ pub(super) fn textures(
                 let tone = pixel.color[channel] * gain[channel];
                 color[at * 4 + channel] = tones.of(tone);
                 glow[behind + channel] += 0.25 * tone * GLOW[channel] * through;
-                normal[at * 3 + channel] = (pixel.normal[channel] * 127.5 + 128.0) as u8;
+                if has_normals {
+                    normal[at * 3 + channel] = (pixel.normal[channel] * 127.5 + 128.0) as u8;
+                }
             }
             color[at * 4 + 3] = (pixel.cover * 255.0 + 0.5) as u8;
         }
@@ -84,10 +94,12 @@ pub(super) fn textures(
     watch.pass(width * height / 32)?;
     let transmission = glow.into_iter().map(|channel| tones.of(channel)).collect();
     let (width, height) = (width as u32, height as u32);
-    let textures = Textures::default()
+    let mut textures = Textures::default()
         .with_base_color(Image::new(width, height, 4, color)?)
-        .with_normal(Image::new(width, height, 3, normal)?)
         .with_transmission(Image::new(wide as u32, high as u32, 3, transmission)?);
+    if has_normals {
+        textures = textures.with_normal(Image::new(width, height, 3, normal)?);
+    }
     Ok(match cutoff {
         Some(cutoff) => textures.with_alpha_cutoff(cutoff),
         None => textures,

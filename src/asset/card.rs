@@ -156,7 +156,9 @@ impl Source<'_> {
                 let bent = if quad == 0 { Vec3::Z * bend.at(at) } else { Vec3::ZERO };
                 mesh.positions.push(origin + flat + bent);
                 mesh.normals.push(toward);
-                mesh.tangents.push(Vec4::from((right, 1.0)));
+                if grid.has_normals() {
+                    mesh.tangents.push(Vec4::from((right, 1.0)));
+                }
                 let uv = Vec2::new(u + across * (0.5 + 0.5 * sx), v + down * (0.5 - 0.5 * sy));
                 // Files hold these whole in 16 bits.
                 mesh.uvs.push((uv * 65_535.0).round() / 65_535.0);

@@ -102,6 +102,7 @@ impl Specimen {
                 [0, 1, 2].map(|i| (own[i] / lightest[i].max(1e-6)).clamp(0.0, 1.0))
             };
             for mesh in level.barks_mut() {
+                self.blend_roots(mesh);
                 // The wind tells the node of each vertex. There may be the crown's shade already.
                 mesh.colors.resize(mesh.positions.len(), [1.0; 3]);
                 for ((shade, wind), place) in mesh.colors.iter_mut().zip(&mesh.wind).zip(&mesh.positions) {

@@ -2,6 +2,7 @@
 
 use super::{LeafShape, Trunk, all};
 use crate::Skeleton;
+use crate::surface::Tubes;
 use glam::Vec3;
 use std::collections::BTreeSet;
 use std::error::Error;
@@ -116,6 +117,37 @@ fn roots_spread_from_the_trunk_into_the_ground() -> Result<(), Box<dyn Error>> {
             rooted.check()?;
         }
     }
+    Ok(())
+}
+
+/// Where a root comes out of the trunk, light falls on both alike: its normals there are level and away from the trunk's middle.
+#[test]
+fn roots_have_the_trunks_normals_where_they_come_out() -> Result<(), Box<dyn Error>> {
+    let mut seen = 0;
+    for (species, seed) in all().iter().zip(0..) {
+        let tree = species.request().with_seed(seed).grow()?;
+        let (skeleton, base) = (&tree.skeleton, tree.skeleton.radii()[0]);
+        let mut mesh = Tubes::default().with_wind(true).mesh(&tree.rooted())?;
+        tree.blend_roots(&mut mesh);
+        let stem: Vec<usize> = (0..skeleton.len())
+            .take_while(|&node| node == 0 || skeleton.parent(node) == Some(node - 1))
+            .collect();
+        for (vertex, wind) in
+            mesh.wind.iter().enumerate().filter(|(_, wind)| wind.node as usize >= skeleton.len())
+        {
+            let place = mesh.positions[vertex];
+            let after = stem.iter().find(|&&node| skeleton.positions()[node].y >= place.y);
+            let Some(&node) = after.filter(|&&node| node > 0) else { continue };
+            let out = (place - skeleton.positions()[node]).with_y(0.0);
+            if (out.length() - skeleton.radii()[node]).abs() < 0.04 * base {
+                let normal = mesh.normals[vertex];
+                let angle = normal.angle_between(out).to_degrees();
+                assert!(angle < 35.0, "{} {seed}: node {}, {angle} degrees", species.name, wind.node);
+                seen += 1;
+            }
+        }
+    }
+    assert!(seen > 100, "{seen} vertices");
     Ok(())
 }
 
@@ -257,7 +289,7 @@ fn winter_fruit_hangs_on_wood_that_is_drawn() -> Result<(), Box<dyn Error>> {
         for (loose, moved) in loose.iter_mut().zip([false, true]) {
             let builder = AssetBuilder::default()
                 .with_triangles(Some(20_000))
-                .with_tubes(crate::surface::Tubes::default().with_root_flare(0.0))
+                .with_tubes(Tubes::default().with_root_flare(0.0))
                 .with_bent_normals(0.0)
                 .with_leaves_on_bark(moved);
             let levels = builder.levels_with(&tree.rooted(), &tree.organs, &[1.0])?;

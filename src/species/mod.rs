@@ -34,6 +34,8 @@ mod organ;
 mod outline;
 mod request;
 mod root;
+#[cfg(feature = "serde")]
+mod saved;
 mod shade;
 mod specimen;
 mod sprig;

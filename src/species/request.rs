@@ -5,6 +5,7 @@ use super::draw::Draw;
 use super::{SpeciesError, Specimen};
 use crate::ParameterError;
 use crate::math;
+use std::borrow::Cow;
 
 /// Request for a tree. Values that are not given follow from the species' allometry with its natural spread.
 ///
@@ -18,19 +19,27 @@ use crate::math;
 /// assert!(error.to_string().starts_with("height of silver birch is 60 m, but must be 2 to"), "{error}");
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
+///
+/// Serialized, the species is its name, or its [text](Species::to_text) if it is one of your own.
 #[must_use]
 #[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
 pub struct Request<'a> {
-    species: &'a Species,
+    #[cfg_attr(feature = "serde", serde(with = "super::saved"))]
+    species: Cow<'a, Species>,
     height: Option<f32>,
     dbh: Option<f32>,
     age: Option<f32>,
     spacing: Option<f32>,
     day: f32,
-    dead: Option<f32>,
-    damage: f32,
+    years_dead: Option<f32>,
+    storm_damage: f32,
     seed: u64,
 }
+
+crate::recipe::readable!(Request<'_> {
+    height: Option<f32>, dbh: Option<f32>, age: Option<f32>, day: f32, years_dead: Option<f32>, storm_damage: f32, seed: u64
+});
 
 /// The numbers that a tree was grown by, and what came of them.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -63,14 +72,14 @@ impl Species {
     /// A tree of this species to be asked for: in the open, on a day in July, seed 0.
     pub fn request(&self) -> Request<'_> {
         Request {
-            species: self,
+            species: Cow::Borrowed(self),
             height: None,
             dbh: None,
             age: None,
             spacing: None,
             day: 196.0,
-            dead: None,
-            damage: 0.0,
+            years_dead: None,
+            storm_damage: 0.0,
             seed: 0,
         }
     }
@@ -94,7 +103,7 @@ fn at_trunk(at: [f32; 2], diameter: f32) -> f32 {
     at[0] * math::powf(diameter / TRUNKS[0], power(at))
 }
 
-impl<'a> Request<'a> {
+impl Request<'_> {
     /// The height of the grown tree, metres; met within 1%, before anything [breaks](Self::with_storm_damage) or
     /// [falls](Self::with_years_dead).
     pub fn with_height(mut self, metres: f32) -> Self {
@@ -140,14 +149,14 @@ impl<'a> Request<'a> {
     /// other, each to a stub with splinters, the top from the fourth year on; bark falls in patches
     /// from the second year, wood turns grey. Default: it lives.
     pub fn with_years_dead(mut self, years: f32) -> Self {
-        self.dead = Some(years);
+        self.years_dead = Some(years);
         self
     }
 
     /// Damage by a winter storm, 0 (none, the default) to 1: about this part of the limbs, and some of the branches and
     /// twigs, are broken off with splintered stubs; above 0.5 the top may be, too.
     pub fn with_storm_damage(mut self, part: f32) -> Self {
-        self.damage = part;
+        self.storm_damage = part;
         self
     }
 
@@ -158,13 +167,13 @@ impl<'a> Request<'a> {
     }
 
     /// The species.
-    pub fn species(&self) -> &'a Species {
-        self.species
+    pub fn species(&self) -> &Species {
+        &self.species
     }
 
-    /// The seed.
-    pub fn seed(&self) -> u64 {
-        self.seed
+    /// Metres from tree to tree [in its stand](Self::in_a_stand); none in the open.
+    pub fn spacing(&self) -> Option<f32> {
+        self.spacing
     }
 
     /// The tree. Same request, same bits.
@@ -172,7 +181,7 @@ impl<'a> Request<'a> {
     /// # Errors
     /// A request that the species cannot meet, with the range that it can.
     pub fn grow(&self) -> Result<Specimen, SpeciesError> {
-        super::specimen::grow(self.species, self.plan()?, self.dbh, self.seed)
+        super::specimen::grow(&self.species, self.plan()?, self.dbh, self.seed)
     }
 
     /// Numbers of the tree to be, without growing it.
@@ -180,7 +189,7 @@ impl<'a> Request<'a> {
     /// # Errors
     /// As [`grow`](Self::grow).
     pub fn plan(&self) -> Result<Numbers, SpeciesError> {
-        let species = self.species;
+        let species = &*self.species;
         let size = &species.size;
         let name = &species.name;
         let unless = |holds: bool, what: &str, value: String, range: String| {
@@ -196,8 +205,8 @@ impl<'a> Request<'a> {
         within("age", self.age, [1.0, oldest], "years")?;
         within("spacing", self.spacing, [0.3, 1000.0], "m")?;
         within("day", Some(self.day), [1.0, 366.0], "(day of the year)")?;
-        within("years dead", self.dead, [0.0, 80.0], "years")?;
-        within("storm damage", Some(self.damage), [0.0, 1.0], "of the limbs")?;
+        within("years dead", self.years_dead, [0.0, 80.0], "years")?;
+        within("storm damage", Some(self.storm_damage), [0.0, 1.0], "of the limbs")?;
 
         let mut draw = Draw::new(Draw::seed_of(&species.latin, self.seed));
         let [taller, wider, leafier] = size.spread.map(|spread| draw.factor(spread));
@@ -276,8 +285,8 @@ impl<'a> Request<'a> {
             leaf_area: leafy * share * share.sqrt(),
             crowding,
             day: self.day,
-            dead: self.dead,
-            damage: self.damage,
+            dead: self.years_dead,
+            damage: self.storm_damage,
         })
     }
 }

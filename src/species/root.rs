@@ -4,6 +4,7 @@ use super::Specimen;
 use super::draw::Draw;
 use super::wood::Rank;
 use crate::math;
+use crate::surface::Mesh;
 use crate::{Skeleton, SkeletonError};
 use glam::Vec3;
 use std::f32::consts::TAU;
@@ -12,16 +13,20 @@ use std::f32::consts::TAU;
 const THINNEST: f32 = 0.08;
 /// The way of a root: distance from the trunk's axis in radii of its base, height in radii of its base, and radius
 /// as a part of the first.
-const WAY: [[f32; 3]; 6] = [
-    [0.3, 1.5, 0.85],
-    [0.66, 0.92, 1.0],
-    [1.0, 0.4, 1.0],
-    [1.4, 0.05, 0.8],
-    [1.9, -0.14, 0.58],
-    [2.5, -0.34, 0.4],
+const WAY: [[f32; 3]; 8] = [
+    [0.4, 3.0, 0.5],
+    [0.53, 2.1, 0.62],
+    [0.68, 1.35, 0.78],
+    [0.88, 0.75, 0.95],
+    [1.15, 0.32, 1.0],
+    [1.5, 0.04, 0.8],
+    [2.0, -0.14, 0.58],
+    [2.6, -0.34, 0.4],
 ];
 /// Radius of the thickest root at its base, as a part of the trunk's there.
 const THICKEST: f32 = 0.4;
+/// Distance from the trunk's surface over which normals of roots become its own, in radii of its base.
+const BLENDED: f32 = 0.3;
 /// The stage of their nodes.
 pub(super) const STAGE: u16 = Rank::Shoot as u16 + 1;
 
@@ -46,7 +51,7 @@ impl Specimen {
         let base = skeleton.radii()[0];
         let stem: Vec<usize> = (0..skeleton.len())
             .take_while(|&node| node == 0 || skeleton.parent(node) == Some(node - 1))
-            .take_while(|&node| skeleton.positions()[node].y <= 1.5 * base)
+            .take_while(|&node| skeleton.positions()[node].y <= WAY[0][1] * base)
             .collect();
         let from = stem[stem.len() - 1];
         let foot = skeleton.positions()[0];
@@ -72,5 +77,37 @@ impl Specimen {
             }
         }
         Skeleton::new(positions, parents)?.with_radii(radii)?.with_stages(stages)?.with_orders(orders)
+    }
+
+    /// Bends the normals of roots towards the trunk's where they come out of it, so that light falls on both alike. The wind of the mesh
+    /// tells the node of each vertex.
+    pub(super) fn blend_roots(&self, mesh: &mut Mesh) {
+        let skeleton = &self.skeleton;
+        let base = skeleton.radii()[0];
+        for (vertex, wind) in mesh.wind.iter().enumerate() {
+            if (wind.node as usize) < skeleton.len() {
+                continue;
+            }
+            let place = mesh.positions[vertex];
+            let after = (1..skeleton.len())
+                .take_while(|&node| skeleton.parent(node) == Some(node - 1))
+                .find(|&node| skeleton.positions()[node].y >= place.y);
+            let Some(after) = after else { continue };
+            let [low, high] = [after - 1, after].map(|node| skeleton.positions()[node]);
+            let rise = (high.y - low.y).max(1e-6);
+            let share = ((place.y - low.y) / rise).clamp(0.0, 1.0);
+            let [thick, thin] = [after - 1, after].map(|node| skeleton.radii()[node]);
+            let out = (place - low.lerp(high, share)).with_y(0.0);
+            let away = (out.length() - (thick + (thin - thick) * share)) / (BLENDED * base);
+            let of_trunk = (out.normalize_or_zero() + Vec3::Y * ((thick - thin) / rise)).normalize_or_zero();
+            let part = 1.0 - away.clamp(0.0, 1.0);
+            let own = mesh.normals[vertex];
+            let normal = own.lerp(of_trunk, part * part * (3.0 - 2.0 * part)).normalize_or(own);
+            mesh.normals[vertex] = normal;
+            if let Some(tangent) = mesh.tangents.get_mut(vertex) {
+                let along = tangent.truncate().reject_from_normalized(normal);
+                *tangent = along.normalize_or(math::perpendicular(normal)).extend(tangent.w);
+            }
+        }
     }
 }

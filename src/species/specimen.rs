@@ -56,6 +56,7 @@ impl Specimen {
     /// As [`Tubes::mesh`].
     pub fn bark_mesh(&self, tubes: &Tubes) -> Result<Mesh, SurfaceError> {
         let mut mesh = tubes.clone().with_wind(true).mesh(&self.rooted())?;
+        self.blend_roots(&mut mesh);
         let colors = BarkColors::new(self);
         let places = mesh.wind.iter().zip(&mesh.positions);
         mesh.colors = places.map(|(wind, place)| colors.at(wind.node as usize, place.y)).collect();

@@ -36,8 +36,9 @@ fn check(asset: &Asset, name: &str) {
         part.mesh().check().expect(name);
         if let Some(textures) = part.textures() {
             textures.check().expect(name);
-            let images = [textures.base_color(), textures.normal(), textures.transmission()];
-            assert!(images.iter().all(Option::is_some), "{name}");
+            assert!(textures.base_color().is_some() && textures.transmission().is_some(), "{name}");
+            let bumpy = textures.normal().is_some();
+            assert_eq!(part.mesh().tangents.is_empty(), !bumpy, "{name}: tangents go with normals");
             assert!(
                 part.mesh()
                     .uvs
@@ -142,7 +143,7 @@ fn levels_are_smaller_and_nested_and_look_alike() {
     let [most, color, sum] = later;
     let off = (most, color, sum / count);
     assert!(
-        off.0 < 0.3 && off.1 < 3.1 && off.2 < 0.06,
+        off.0 < 0.3 && off.1 < 3.2 && off.2 < 0.06,
         "before the next level comes, they are off by {off:?}"
     );
 }

@@ -14,6 +14,7 @@ use treesynth::preview::{Camera, Preview, RayCaster};
 use treesynth::radius::{PipeModel, Stout, Taper, Variational};
 use treesynth::self_organizing::{Habit, Phyllotaxis};
 use treesynth::shape::{Import, UpAxis};
+use treesynth::species::{self, Request};
 use treesynth::surface::blob::Skin;
 use treesynth::surface::{Capsules, Implicit, Levels, Material, Polygonizer, Tubes};
 use treesynth::texture::Bark;
@@ -71,6 +72,24 @@ fn options_survive_their_text() {
     survives(&Architecture::spruce().with_years(7));
     survives(&Stout::new(Taper::new(PipeModel::default().with_tip_diameter(0.003)), 0.02));
     survives(&Variational::guided([Vec3::X, Vec3::Y], 3.0));
+}
+
+#[test]
+fn requests_survive_their_text() {
+    let oak = species::by_name("English oak").unwrap();
+    survives(&oak.request());
+    survives(&oak.request().with_height(9.0).with_dbh(0.3).with_day(280.0).with_seed(7).in_a_stand(4.0));
+    survives(&oak.request().with_age(40.0).with_years_dead(3.0).with_storm_damage(0.4));
+    let mut own = oak.clone();
+    own.limbs.crooked *= 2.0;
+    let request = own.request().with_height(9.0);
+    survives(&request);
+    let text = serde_json::to_string(&request).unwrap();
+    assert_eq!(serde_json::from_str::<Request>(&text).unwrap().species(), &own);
+    let text = serde_json::to_string(&oak.request()).unwrap();
+    assert!(text.contains(r#""species":"English oak""#), "{text}");
+    let error = serde_json::from_str::<Request>(&text.replace("English oak", "Englisch oak")).unwrap_err();
+    assert!(error.to_string().contains("English oak"), "{error}");
 }
 
 #[test]

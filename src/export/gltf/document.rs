@@ -172,7 +172,7 @@ impl<'a> Document<'a> {
 
     fn finished(mut self) -> Self {
         self.images = self.buffer.arrays().len();
-        for file in self.looks.files() {
+        for file in self.looks.files(&self.options) {
             self.buffer.view(Array::Bytes(file));
         }
         self
@@ -323,7 +323,7 @@ impl<'a> Document<'a> {
             nodes = self.nodes.join(","),
             animation = self.animation.as_ref().map_or(String::new(), Animation::text),
             meshes = list(&self.meshes, |mesh| self.mesh_text(mesh)),
-            looks = self.looks.text(self.images),
+            looks = self.looks.text(self.images, &self.options),
             accessors = self.buffer.accessors_text(),
             views = self.buffer.views_text(),
             bytes = self.bytes(),

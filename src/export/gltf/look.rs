@@ -1,5 +1,6 @@
 //! Materials and images of a glTF file.
 
+use super::options::GlbOptions;
 use super::text::{entry, escaped, numbers, push};
 use crate::export::pool::Pool;
 use crate::export::worn::{self, Image, Textures};
@@ -94,26 +95,49 @@ impl<'a> Looks<'a> {
     }
 
     /// The images as files, in order.
-    pub(super) fn files(&self) -> Vec<Vec<u8>> {
+    pub(super) fn files(&self, options: &GlbOptions) -> Vec<Vec<u8>> {
         let images = self.images.items();
-        parallel::map(images.len(), |i| images[i].png())
+        parallel::map(images.len(), |i| file(images[i], options))
     }
 
     /// Materials, and if there are images, these, textures and a sampler; the first image lies in the buffer view `first`.
-    pub(super) fn text(&self, first: usize) -> String {
+    pub(super) fn text(&self, first: usize, options: &GlbOptions) -> String {
         let materials = entry("materials", &self.all, Look::text);
         if self.names.is_empty() {
             return materials;
         }
         let images = entry("images", self.names.iter().enumerate(), |(index, name)| {
             let view = first + index;
-            format!(r#"{{"name":{},"mimeType":"image/png","bufferView":{view}}}"#, escaped(name))
+            let form = if is_jpeg(self.images.items()[index], options) { "jpeg" } else { "png" };
+            format!(r#"{{"name":{},"mimeType":"image/{form}","bufferView":{view}}}"#, escaped(name))
         });
         let textures = entry("textures", 0..self.names.len(), |i| format!(r#"{{"sampler":0,"source":{i}}}"#));
         // Linear, linear between mipmaps; repeated both ways.
         let sampler = r#""samplers":[{"magFilter":9729,"minFilter":9987,"wrapS":10497,"wrapT":10497}],"#;
         materials + &images + &textures + sampler
     }
+}
+
+/// `true` if an image is written as JPEG.
+#[cfg(feature = "jpeg")]
+fn is_jpeg(image: &Image, options: &GlbOptions) -> bool {
+    options.jpeg.is_some() && !image.has_alpha()
+}
+
+#[cfg(not(feature = "jpeg"))]
+fn is_jpeg(_: &Image, _: &GlbOptions) -> bool {
+    false
+}
+
+#[cfg(feature = "jpeg")]
+fn file(image: &Image, options: &GlbOptions) -> Vec<u8> {
+    let quality = options.jpeg.filter(|_| is_jpeg(image, options));
+    quality.and_then(|quality| image.jpeg(quality).ok()).unwrap_or_else(|| image.png())
+}
+
+#[cfg(not(feature = "jpeg"))]
+fn file(image: &Image, _: &GlbOptions) -> Vec<u8> {
+    image.png()
 }
 
 impl Look<'_> {

@@ -524,3 +524,32 @@ fn images_are_written_once_and_named_by_materials() {
         assert_eq!(Some(&Image::read_png(io::Cursor::new(png)).expect("a PNG")), image);
     }
 }
+
+/// What has no alpha is a JPEG if one asks for it, and says so; the rest stays PNG.
+#[cfg(feature = "jpeg")]
+#[test]
+fn images_without_alpha_can_be_jpeg() {
+    use crate::texture::{Image, Textures};
+    let image =
+        |channels: u8| Image::new(8, 8, channels, vec![100; 64 * usize::from(channels)]).expect("fits");
+    let worn = Textures::default().with_base_color(image(4)).with_normal(image(3)).with_alpha_cutoff(0.5);
+    let mesh = tree();
+    let parts = [Part::new(&mesh).with_textures(&worn)];
+    let mut glb = Vec::new();
+    write_glb_parts(&parts, &GlbOptions::default().with_jpeg(Some(85)), &mut glb).expect("sound");
+    let (json, buffer) = read(&glb);
+    for (index, (form, start)) in
+        [("image/png", [0x89, b'P']), ("image/jpeg", [0xff, 0xd8])].into_iter().enumerate()
+    {
+        let image = &json["images"][index];
+        assert_eq!(image["mimeType"], form);
+        let view = &json["bufferViews"][image["bufferView"].as_u64().expect("a view") as usize];
+        let from = view["byteOffset"].as_u64().expect("a start") as usize;
+        assert_eq!(buffer[from..from + 2], start);
+    }
+    for quality in [0, 101] {
+        let error =
+            write_glb_parts(&parts, &GlbOptions::default().with_jpeg(Some(quality)), io::sink()).unwrap_err();
+        assert_eq!(error.to_string(), format!("GlbOptions.jpeg is {quality}, but must be 1 to 100"));
+    }
+}
