@@ -1,23 +1,28 @@
 //! From primitives and operators to a [`BlobTree`], each step checked.
 
 use super::BlobTree;
+use super::bend::Bend;
 use super::bounded::Bounded;
 use super::curve::Curve;
 use super::error::BlobError;
 use super::limb::Fork;
 use super::operator::{Contact, Operator};
-use super::primitive::{Leaf, Primitive, Range};
+use super::primitive::{Leaf, Primitive, Range, STRAIGHT};
 use super::scene::{Kind, Scene, Warp};
 use crate::Bounds;
 use crate::observer::Watch;
 use crate::surface::far;
 use glam::Affine3A;
+use smallvec::SmallVec;
 use std::sync::atomic::{AtomicU32, Ordering};
 
 /// Farther out than this, in metres, products of coordinates leave the range of 32-bit floats.
 const FARTHEST: f32 = 4e9;
 /// More parts of one operator than this are put into groups, near ones together.
 const GROUP: usize = 4;
+
+/// What an operator has of its parts; more than so many are on the heap.
+type Few<T> = SmallVec<[T; GROUP]>;
 
 /// A part of a [`BlobTree`] in the making, to be used once: what takes it, owns it.
 #[derive(Debug)]
@@ -67,7 +72,8 @@ pub(super) struct Entry {
 #[derive(Debug)]
 pub struct BlobTreeBuilder {
     id: u32,
-    pub(super) leaves: Vec<Primitive>,
+    pub(super) leaves: Vec<Leaf>,
+    pub(super) bends: Vec<Bend>,
     pub(super) entries: Vec<Entry>,
     pub(super) parts: Vec<u32>,
     pub(super) operators: Vec<Operator>,
@@ -79,13 +85,24 @@ impl Default for BlobTreeBuilder {
     /// A builder without nodes.
     fn default() -> Self {
         let id = BUILDERS.fetch_add(1, Ordering::Relaxed);
-        let (leaves, entries, parts) = (Vec::new(), Vec::new(), Vec::new());
+        let (leaves, bends, entries, parts) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
         let (operators, styles, warps) = (Vec::new(), Vec::new(), Vec::new());
-        Self { id, leaves, entries, parts, operators, styles, warps }
+        Self { id, leaves, bends, entries, parts, operators, styles, warps }
     }
 }
 
 impl BlobTreeBuilder {
+    /// With room for the skin of so many nodes: what grows is copied again and again.
+    pub(super) fn for_skin(nodes: usize) -> Self {
+        let mut builder = Self::default();
+        // As many as spruces and maples have.
+        builder.leaves.reserve(nodes + nodes / 2);
+        builder.bends.reserve(nodes);
+        builder.entries.reserve(2 * nodes + nodes / 2);
+        builder.parts.reserve(2 * nodes);
+        builder
+    }
+
     /// A primitive.
     ///
     /// # Errors
@@ -94,9 +111,11 @@ impl BlobTreeBuilder {
     pub fn add(&mut self, primitive: Primitive) -> Result<Node, BlobError> {
         primitive.check()?;
         let number = self.leaves.len() as u32;
-        let leaf = Leaf::new(&primitive, 0);
-        self.leaves.push(primitive);
-        self.push(Draft::Leaf(number), leaf.bounds(), primitive.strength)
+        let bend = if primitive.bend.is_some() { self.bends.len() as u32 } else { STRAIGHT };
+        self.bends.extend(primitive.bend);
+        let leaf = Leaf::new(&primitive, bend);
+        self.leaves.push(leaf);
+        self.push(Draft::Leaf(number), leaf.bounds(&self.bends), primitive.strength)
     }
 
     /// A curve: the union of the cone segments it is made of.
@@ -105,7 +124,7 @@ impl BlobTreeBuilder {
     /// No points, another number of radii, or what [`add`](Self::add) refuses.
     pub fn curve(&mut self, curve: &Curve) -> Result<Node, BlobError> {
         let primitives = curve.primitives()?;
-        let mut nodes = Vec::with_capacity(primitives.len());
+        let mut nodes: Few<Node> = SmallVec::with_capacity(primitives.len());
         for primitive in primitives {
             nodes.push(self.add(primitive)?);
         }
@@ -275,7 +294,7 @@ impl BlobTreeBuilder {
             return Err(BlobError::Empty { most: if bounds.is_empty() { 0.0 } else { most } });
         }
         let origin = far::offset(bounds.center(), bounds);
-        let tree = BlobTree::new(Scene::new(&self, root, origin, watch)?, origin);
+        let tree = BlobTree::new(Scene::new(self, root, origin, watch)?, origin);
         let bounds = tree.bounds();
         if bounds.min.abs().max(bounds.max.abs()).max_element() > FARTHEST {
             return Err(BlobError::TooFar { bounds });
@@ -284,8 +303,8 @@ impl BlobTreeBuilder {
     }
 
     /// Marks nodes as used.
-    fn take(&mut self, by: Operator, nodes: impl IntoIterator<Item = Node>) -> Result<Vec<u32>, BlobError> {
-        let mut numbers = Vec::new();
+    fn take(&mut self, by: Operator, nodes: impl IntoIterator<Item = Node>) -> Result<Few<u32>, BlobError> {
+        let mut numbers = Few::new();
         for Node { builder, number } in nodes {
             match self.entries.get_mut(number as usize) {
                 Some(entry) if builder == self.id && !entry.taken => entry.taken = true,
@@ -337,11 +356,11 @@ impl BlobTreeBuilder {
     /// The greatest value of parts together.
     fn most(&self, operator: Operator, parts: &[u32]) -> f32 {
         let most = parts.iter().map(|&part| self.entries[part as usize].most);
-        let ranges: Vec<Range> = most.map(|most| Range { least: 0.0, most, slope: 0.0 }).collect();
+        let ranges: Few<Range> = most.map(|most| Range { least: 0.0, most, slope: 0.0 }).collect();
         operator.range(&ranges).most
     }
 
-    fn boxes(&self, parts: &[u32]) -> Vec<Bounds> {
+    fn boxes(&self, parts: &[u32]) -> Few<Bounds> {
         parts.iter().map(|&part| self.entries[part as usize].bounds).collect()
     }
 

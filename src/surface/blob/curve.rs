@@ -6,6 +6,7 @@ use super::primitive::Primitive;
 use super::{BARK, FieldFunction};
 use crate::{ParameterError, math};
 use glam::Vec3;
+use smallvec::SmallVec;
 
 /// Most cone segments between two points.
 const MOST_PARTS: f32 = 64.0;
@@ -15,6 +16,9 @@ const PIECE: f32 = 3.0;
 const STRAIGHT: f32 = 0.005;
 /// Cosine of the sharpest turn that is rounded, 120°; at a sharper one the curve has a corner.
 const SHARPEST_TURN: f32 = -0.5;
+
+/// As many as a shoot has; more are on the heap.
+type Few<T> = SmallVec<[T; 16]>;
 
 /// A smooth curve through points, with a radius interpolated between theirs, monotone and smooth: a skeletal primitive made of pieces.
 ///
@@ -93,7 +97,7 @@ impl Curve {
             let holds = tangent.try_normalize().is_some();
             ParameterError::unless(holds, "Curve.tangents", tangent, "finite and not zero")?;
         }
-        let knots: Vec<_> = self.knots();
+        let knots = self.knots();
         let cone = |ends, radii| {
             Primitive::cone(ends, radii)
                 .with_field(self.field)
@@ -103,21 +107,22 @@ impl Curve {
         if knots.len() == 1 {
             return Ok(vec![cone([knots[0].0; 2], [knots[0].1; 2])]);
         }
-        let ways: Vec<Vec3> = knots.windows(2).map(|pair| pair[1].0 - pair[0].0).collect();
-        let rises: Vec<f32> = knots
+        let ways: Few<Vec3> = knots.windows(2).map(|pair| pair[1].0 - pair[0].0).collect();
+        let rises: Few<f32> = knots
             .windows(2)
             .zip(&ways)
             .map(|(pair, way)| (pair[1].1 - pair[0].1) / way.length().max(f32::MIN_POSITIVE))
             .collect();
         let mut cones = Vec::with_capacity(ways.len());
+        let mut next_joint = None;
         for (i, pair) in knots.windows(2).enumerate() {
-            let [(from, start), (to, end)] = [pair[0], pair[1]];
-            let [way, before, after] =
-                [Some(ways[i]), i.checked_sub(1).map(|i| ways[i]), ways.get(i + 1).copied()]
-                    .map(Option::unwrap_or_default);
-            let leaving = if i == 0 { self.tangents[0].unwrap_or(way) } else { tangent(before, way, way) };
-            let arriving =
-                if i + 1 == ways.len() { self.tangents[1].unwrap_or(way) } else { tangent(way, after, way) };
+            let ([(from, start), (to, end)], way) = ([pair[0], pair[1]], ways[i]);
+            let joints = [next_joint, ways.get(i + 1).map(|&after| Joint::between(way, after))];
+            next_joint = joints[1];
+            let [leaving, arriving] = [0, 1].map(|i| match joints[i] {
+                Some(joint) => joint.tangent.unwrap_or(way),
+                None => self.tangents[i].unwrap_or(way),
+            });
             let rise =
                 [i.saturating_sub(1), (i + 1).min(rises.len() - 1)].map(|k| between(rises[k], rises[i]));
             let bend = math::angle_between(leaving, way) + math::angle_between(way, arriving);
@@ -128,47 +133,48 @@ impl Curve {
                 directions: [leaving, arriving].map(Vec3::normalize_or_zero),
                 rises: rise,
             };
-            let parts = |turn: f32, most: f32| {
-                // NaN if there are points that are not finite.
-                let parts = ((turn / most).ceil().min(MOST_PARTS) as u32).max(1);
-                let knots = (0..=parts).map(|k| span.at(k as f32 / parts as f32));
-                knots.collect::<Vec<_>>()
-            };
-            let cones_of = |knots: &[Knot]| {
-                let pair =
-                    |pair: &[Knot]| cone([pair[0].point, pair[1].point], [pair[0].radius, pair[1].radius]);
-                knots.windows(2).map(pair).collect::<Vec<_>>()
-            };
+            // One if there are points that are not finite.
+            let parts = |most: f32| ((turn / most).ceil().min(MOST_PARTS) as u32).max(1);
+            let knot = |k: u32, of: u32| span.at(k as f32 / of as f32);
+            let cone_of = |from: &Knot, to: &Knot| cone([from.point, to.point], [from.radius, to.radius]);
             if turn > STRAIGHT {
                 // As many pieces as keep each within a radius of its chord, for boxes to be narrow; no more
                 // than there would be cones.
                 let pieces = (0.15 * bend * way.length() / start.min(end)).sqrt();
-                let knots = parts(turn, (turn / pieces).clamp(self.turn, PIECE * self.turn));
+                let count = parts((turn / pieces).clamp(self.turn, PIECE * self.turn));
                 // A piece goes on where its neighbour has its direction.
-                let goes_on = |i: usize| i > 0 && i < ways.len() && !is_corner(ways[i - 1], ways[i]);
-                let (first, last) = (!goes_on(i), !goes_on(i + 1));
-                let count = knots.len() - 1;
-                let bent = cones_of(&knots).into_iter().zip(knots.windows(2)).enumerate();
-                let bent = bent.map(|(k, (cone, pair))| {
-                    cone.bent(&Course {
-                        directions: [pair[0].direction, pair[1].direction],
-                        slopes: [pair[0].slope, pair[1].slope],
-                        is_flat: [!first || k > 0, !last || k + 1 < count],
-                    })
+                let goes_on = joints.map(|joint| joint.is_some_and(|joint| !joint.is_corner));
+                let (before, mut from) = (cones.len(), knot(0, count));
+                let bends = (0..count).all(|k| {
+                    let to = knot(k + 1, count);
+                    let bent = cone_of(&from, &to).bent(&Course {
+                        directions: [from.direction, to.direction],
+                        slopes: [from.slope, to.slope],
+                        is_flat: [goes_on[0] || k > 0, goes_on[1] || k + 1 < count],
+                    });
+                    from = to;
+                    bent.map(|bent| cones.push(bent)).is_some()
                 });
-                if let Some(bent) = bent.collect::<Option<Vec<_>>>() {
-                    cones.extend(bent);
+                if bends {
                     continue;
                 }
+                cones.truncate(before);
             }
-            cones.extend(cones_of(&parts(turn, self.turn)));
+            let count = parts(self.turn);
+            let mut from = knot(0, count);
+            cones.extend((1..=count).map(|k| {
+                let to = knot(k, count);
+                let cone = cone_of(&from, &to);
+                from = to;
+                cone
+            }));
         }
         Ok(cones)
     }
 
     /// Points with their radii, without those that are where the one before is.
-    fn knots(&self) -> Vec<(Vec3, f32)> {
-        let mut knots: Vec<(Vec3, f32)> = Vec::with_capacity(self.points.len());
+    fn knots(&self) -> Few<(Vec3, f32)> {
+        let mut knots: Few<(Vec3, f32)> = SmallVec::new();
         for (&point, &radius) in self.points.iter().zip(&self.radii) {
             match knots.last_mut() {
                 Some(last) if last.0 == point => last.1 = last.1.max(radius),
@@ -199,13 +205,13 @@ struct Knot {
 impl Span {
     fn at(&self, t: f32) -> Knot {
         let ([from, to], [start, end], rise) = (self.ends, self.radii, self.rises);
-        let length = from.distance(to);
-        let slopes = self.directions.map(|direction| direction * length);
         if t <= 0.0 || t >= 1.0 {
             let i = usize::from(t >= 1.0);
             let (point, radius) = (self.ends[i], self.radii[i]);
             return Knot { point, direction: self.directions[i], radius, slope: rise[i] };
         }
+        let length = from.distance(to);
+        let slopes = self.directions.map(|direction| direction * length);
         // The Hermite polynomials.
         let (back, square) = (1.0 - t, t * t);
         let point = from * ((1.0 + 2.0 * t) * back * back)
@@ -233,14 +239,20 @@ fn between(before: f32, after: f32) -> f32 {
     if before * after > 0.0 { 2.0 * before * after / (before + after) } else { 0.0 }
 }
 
-/// The tangent between two ways, or along the one at hand where they turn back.
-fn tangent(before: Vec3, after: Vec3, way: Vec3) -> Vec3 {
-    let [a, b] = [before.length(), after.length()];
-    let (first, second) = (before.normalize_or_zero(), after.normalize_or_zero());
-    if is_corner(before, after) { way } else { (first * b + second * a).normalize_or(way) }
+/// Where two ways meet.
+#[derive(Clone, Copy)]
+struct Joint {
+    is_corner: bool,
+    /// None at a corner, or where the ways have no direction.
+    tangent: Option<Vec3>,
 }
 
-/// `true` if a curve turns too sharply between two ways to be rounded.
-fn is_corner(before: Vec3, after: Vec3) -> bool {
-    before.normalize_or_zero().dot(after.normalize_or_zero()) < SHARPEST_TURN
+impl Joint {
+    fn between(before: Vec3, after: Vec3) -> Self {
+        let (first, second) = (before.normalize_or_zero(), after.normalize_or_zero());
+        // A curve is not rounded where it turns too sharply.
+        let is_corner = first.dot(second) < SHARPEST_TURN;
+        let tangent = first * after.length() + second * before.length();
+        Self { is_corner, tangent: if is_corner { None } else { tangent.try_normalize() } }
+    }
 }

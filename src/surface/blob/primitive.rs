@@ -31,7 +31,7 @@ pub struct Primitive {
     pub(super) color: [f32; 3],
     /// Its axis and radius, if they are not straight: in the pieces of a `Curve`, which are given to nobody and so never saved.
     #[cfg_attr(feature = "serde", serde(skip))]
-    bend: Option<Bend>,
+    pub(super) bend: Option<Bend>,
 }
 
 crate::recipe::readable!(Primitive { field: FieldFunction, strength: f32, color: [f32; 3] });
@@ -74,12 +74,6 @@ impl Primitive {
     /// The linear RGB colour, each 0 to 1; default a grey brown.
     pub fn with_color(mut self, linear: [f32; 3]) -> Self {
         self.color = linear;
-        self
-    }
-
-    /// The same, this much nearer to the origin.
-    pub(super) fn less(mut self, offset: Vec3) -> Self {
-        self.ends = self.ends.map(|end| end - offset);
         self
     }
 
@@ -132,7 +126,10 @@ impl Primitive {
     }
 }
 
-/// A primitive as it is evaluated, 128 bytes.
+/// Number of the bend of a leaf that is straight.
+pub(super) const STRAIGHT: u32 = u32::MAX;
+
+/// A primitive as it is evaluated, 68 bytes.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Leaf {
     from: Vec3,
@@ -147,8 +144,8 @@ pub(super) struct Leaf {
     pub(super) color: [f32; 3],
     /// Number of the affine warp that takes points into its space; 0 is none.
     pub(super) warp: u32,
-    /// Its axis and radius if they are not straight.
-    bend: Option<Bend>,
+    /// Number of its axis and radius in a list of bends; or [`STRAIGHT`].
+    bend: u32,
 }
 
 /// Knowledge of a field in a cube.
@@ -169,7 +166,8 @@ impl Range {
 }
 
 impl Leaf {
-    pub(super) fn new(primitive: &Primitive, warp: u32) -> Self {
+    /// With the number of its bend in a list of them, without a warp.
+    pub(super) fn new(primitive: &Primitive, bend: u32) -> Self {
         let [from, to] = primitive.ends;
         let way = to - from;
         let square = way.length_squared();
@@ -186,9 +184,19 @@ impl Leaf {
             field: primitive.field,
             strength: primitive.strength,
             color: primitive.color,
-            warp,
-            bend: primitive.bend,
+            warp: 0,
+            bend,
         }
+    }
+
+    /// The same, this much nearer to the origin, in the space of a warp.
+    pub(super) fn placed(&self, offset: Vec3, warp: u32) -> Self {
+        Self { from: self.from - offset, warp, ..*self }
+    }
+
+    #[inline]
+    fn bend<'a>(&self, bends: &'a [Bend]) -> Option<&'a Bend> {
+        if self.bend == STRAIGHT { None } else { bends.get(self.bend as usize) }
     }
 
     /// The radius so far along the way.
@@ -206,8 +214,8 @@ impl Leaf {
     }
 
     /// A box of its own space that holds every point where it is felt.
-    pub(super) fn bounds(&self) -> Bounds {
-        if let Some(bend) = &self.bend {
+    pub(super) fn bounds(&self, bends: &[Bend]) -> Bounds {
+        if let Some(bend) = self.bend(bends) {
             return bend.bounds(self.from, self.field.reach());
         }
         let at = |end: Vec3, radius: f32| {
@@ -249,9 +257,9 @@ impl Leaf {
 
     /// The field's value at a point of its own space.
     #[inline]
-    pub(super) fn value(&self, point: Vec3) -> f32 {
+    pub(super) fn value(&self, point: Vec3, bends: &[Bend]) -> f32 {
         let offset = point - self.from;
-        if let Some(bend) = &self.bend {
+        if let Some(bend) = self.bend(bends) {
             return self.strength * self.field.value(bend.distance(offset));
         }
         let (at, square) = self.strongest(offset);
@@ -260,9 +268,9 @@ impl Leaf {
 
     /// The field's value at a point of its own space, and its gradient.
     #[inline]
-    pub(super) fn gradient(&self, point: Vec3) -> (f32, Vec3) {
+    pub(super) fn gradient(&self, point: Vec3, bends: &[Bend]) -> (f32, Vec3) {
         let offset = point - self.from;
-        if let Some(bend) = &self.bend {
+        if let Some(bend) = self.bend(bends) {
             let (distance, direction) = bend.gradient(offset);
             let (value, slope) = self.field.at(distance);
             return (self.strength * value, direction * (self.strength * slope));
@@ -285,8 +293,8 @@ impl Leaf {
 
     /// Part of a passage, in its own space, where it may be felt.
     #[cfg_attr(not(feature = "preview"), allow(dead_code, reason = "only rays ask"))]
-    pub(super) fn span(&self, passage: &Passage) -> Option<Span> {
-        if let Some(bend) = &self.bend {
+    pub(super) fn span(&self, passage: &Passage, bends: &[Bend]) -> Option<Span> {
+        if let Some(bend) = self.bend(bends) {
             return bend.span(self.from, passage, self.field.reach());
         }
         passage.near(self.from, self.way, self.inverse, self.thickest() * self.field.reach())
@@ -294,12 +302,12 @@ impl Leaf {
 
     /// Bounds of its values within `reach` metres of a point, all in its own space; and the least radius there.
     #[inline]
-    pub(super) fn range(&self, point: Vec3, reach: f32) -> (Range, f32) {
+    pub(super) fn range(&self, point: Vec3, reach: f32, bends: &[Bend]) -> (Range, f32) {
         let offset = point - self.from;
         let along = offset.dot(self.way) * self.inverse;
         let rounding = ROUNDING * (point.abs().max_element() + self.from.abs().max_element() + reach);
         let reach = reach * 1.0001 + rounding;
-        if let Some(bend) = &self.bend {
+        if let Some(bend) = self.bend(bends) {
             let (range, thin) = bend.range(self.field, offset, reach);
             let Range { least, most, slope } = range;
             let of = |share: f32| self.strength * share;

@@ -1,7 +1,8 @@
 //! A [`BlobTree`](super::BlobTree) in the order of evaluation: flat arrays, every part before what it is a part of.
 
+use super::bend::Bend;
 use super::bounded::Bounded;
-use super::builder::{BlobTreeBuilder, Draft};
+use super::builder::{BlobTreeBuilder, Draft, Entry};
 use super::error::BlobError;
 use super::field::ISO;
 use super::jet::Jet;
@@ -16,6 +17,9 @@ use smallvec::SmallVec;
 
 /// The greatest ratio of a warp's stretches.
 const MOST_STRETCH: f32 = 1e5;
+
+/// Parts put in order from one look at the watch to the next.
+const STEPS: usize = 256;
 
 /// One step of an evaluation, on a stack.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -89,6 +93,7 @@ pub(super) struct Scene {
     /// The first of the steps that make a part.
     pub(super) starts: Vec<u32>,
     pub(super) leaves: Vec<Leaf>,
+    bends: Vec<Bend>,
     /// The operators of nodes, then both of each style.
     pub(super) operators: Vec<Operator>,
     first_of_styles: u32,
@@ -108,7 +113,7 @@ struct Frame {
 impl Scene {
     /// The scene of all parts of `root`, moved so that `origin` is its origin.
     pub(super) fn new(
-        drafts: &BlobTreeBuilder,
+        mut drafts: BlobTreeBuilder,
         root: u32,
         origin: Vec3,
         watch: &Watch<'_>,
@@ -118,6 +123,7 @@ impl Scene {
             bounds: Vec::with_capacity(drafts.entries.len()),
             starts: Vec::with_capacity(drafts.entries.len()),
             leaves: Vec::with_capacity(drafts.leaves.len()),
+            bends: std::mem::take(&mut drafts.bends),
             operators: drafts.operators.clone(),
             first_of_styles: drafts.operators.len() as u32,
             styles: drafts.styles.clone(),
@@ -125,10 +131,12 @@ impl Scene {
         };
         scene.operators.extend(drafts.styles.iter().flat_map(|style| [style.inside, style.outside]));
         let mut frames = vec![Frame { node: root, warp: 0, done: 0, start: 0 }];
-        // Boxes of finished parts.
+        // Where nothing is moved, boxes are those of the drafts.
+        let is_moved = origin != Vec3::ZERO || !drafts.warps.is_empty();
+        // Boxes of finished parts, if they are moved.
         let mut boxes: Vec<Bounds> = Vec::new();
         while let Some(frame) = frames.last_mut() {
-            let draft = &drafts.entries[frame.node as usize].draft;
+            let Entry { draft, bounds, .. } = &drafts.entries[frame.node as usize];
             let parts = draft.parts(&drafts.parts);
             if let Some(&part) = parts.get(frame.done) {
                 frame.done += 1;
@@ -140,24 +148,22 @@ impl Scene {
                 frames.push(Frame { node: part, warp, done: 0, start });
                 continue;
             }
-            watch.pass(1)?;
+            if scene.kinds.len().is_multiple_of(STEPS) {
+                watch.pass(STEPS)?;
+            }
             let leaf = scene.leaves.len() as u32;
             if let Some(kind) = draft.kind(leaf) {
-                let bounds = match draft {
-                    Draft::Leaf(number) => {
-                        let offset = if frame.warp == 0 { origin } else { Vec3::ZERO };
-                        let leaf = Leaf::new(&drafts.leaves[*number as usize].less(offset), frame.warp);
-                        scene.leaves.push(leaf);
-                        if frame.warp == 0 {
-                            leaf.bounds()
-                        } else {
-                            scene.warps[frame.warp as usize].forth(leaf.bounds())
-                        }
-                    }
-                    _ => scene.bounds_of(kind, &boxes[boxes.len() - parts.len()..]),
-                };
-                boxes.truncate(boxes.len() - parts.len());
-                boxes.push(bounds);
+                if let Draft::Leaf(number) = draft {
+                    let offset = if frame.warp == 0 { origin } else { Vec3::ZERO };
+                    scene.leaves.push(drafts.leaves[*number as usize].placed(offset, frame.warp));
+                }
+                let mut bounds = *bounds;
+                if is_moved {
+                    let own = boxes.len() - parts.len();
+                    bounds = scene.moved(kind, &boxes[own..]);
+                    boxes.truncate(own);
+                    boxes.push(bounds);
+                }
                 scene.kinds.push(kind);
                 scene.bounds.push(bounds);
                 scene.starts.push(frame.start);
@@ -187,9 +193,15 @@ impl Scene {
         self.inside(style) + 1
     }
 
-    fn bounds_of(&self, kind: Kind, parts: &[Bounds]) -> Bounds {
+    /// The box of a node by those of its parts.
+    fn moved(&self, kind: Kind, parts: &[Bounds]) -> Bounds {
         match kind {
-            Kind::Nothing | Kind::NoLimb | Kind::Leaf(_) => Bounds::EMPTY,
+            Kind::Nothing | Kind::NoLimb => Bounds::EMPTY,
+            Kind::Leaf(number) => {
+                let leaf = &self.leaves[number as usize];
+                let bounds = leaf.bounds(&self.bends);
+                if leaf.warp == 0 { bounds } else { self.warps[leaf.warp as usize].forth(bounds) }
+            }
             Kind::Combine { operator, .. } => self.operators[operator as usize].bounds(parts),
             Kind::Bounded { style, .. } => self.styles[style as usize].bounds(&parts[..parts.len() - 1]),
             Kind::Fork(fork) => self.styles[fork.style as usize].bounds(&parts[..2]),
@@ -262,14 +274,14 @@ impl Scene {
     /// The value less 1/2.
     #[inline]
     pub(super) fn value(&self, steps: impl Iterator<Item = Kind>, point: Vec3) -> f32 {
-        self.run(steps, |leaf| leaf.value(self.place(leaf, point))) - ISO
+        self.run(steps, |leaf| leaf.value(self.place(leaf, point), &self.bends)) - ISO
     }
 
     /// The value less 1/2, and the gradient.
     #[inline]
     pub(super) fn gradient(&self, steps: impl Iterator<Item = Kind>, point: Vec3) -> (f32, Vec3) {
         let (value, gradient) = self.run(steps, |leaf| {
-            let (value, gradient) = leaf.gradient(self.place(leaf, point));
+            let (value, gradient) = leaf.gradient(self.place(leaf, point), &self.bends);
             if leaf.warp == 0 {
                 return (value, gradient);
             }
@@ -290,7 +302,7 @@ impl Scene {
                 Kind::Nothing => (0.0, [0.0; 3]),
                 Kind::Leaf(number) => {
                     let leaf = &self.leaves[number as usize];
-                    (leaf.value(self.place(leaf, point)), leaf.color)
+                    (leaf.value(self.place(leaf, point), &self.bends), leaf.color)
                 }
                 Kind::Combine { operator, parts } => {
                     let start = stack.len() - parts as usize;
@@ -331,12 +343,12 @@ impl Scene {
     pub(super) fn range(&self, leaf: u32, point: Vec3, reach: f32) -> (Range, f32) {
         let leaf = &self.leaves[leaf as usize];
         if leaf.warp == 0 {
-            return leaf.range(point, reach);
+            return leaf.range(point, reach, &self.bends);
         }
         let warp = &self.warps[leaf.warp as usize];
         let rounding =
             1e-6 * (point.abs().max_element() * warp.stretch + warp.back.translation.abs().max_element());
-        let (range, thin) = leaf.range(self.place(leaf, point), reach * warp.stretch + rounding);
+        let (range, thin) = leaf.range(self.place(leaf, point), reach * warp.stretch + rounding, &self.bends);
         (Range { slope: range.slope * warp.stretch, ..range }, thin / warp.stretch)
     }
 
@@ -345,11 +357,11 @@ impl Scene {
     pub(super) fn span(&self, leaf: u32, passage: &Passage) -> Option<Span> {
         let leaf = &self.leaves[leaf as usize];
         if leaf.warp == 0 {
-            return leaf.span(passage);
+            return leaf.span(passage, &self.bends);
         }
         let back = self.warps[leaf.warp as usize].back;
         let (origin, way) = (back.transform_point3(passage.origin), back.transform_vector3(passage.way));
-        leaf.span(&Passage { origin, way, ..*passage })
+        leaf.span(&Passage { origin, way, ..*passage }, &self.bends)
     }
 
     /// A point in a leaf's own space.

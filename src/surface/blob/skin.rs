@@ -213,7 +213,8 @@ impl Skin {
         let last = skeleton.stages().iter().copied().max().unwrap_or_default();
         let age = self.age.unwrap_or(f32::from(last) + 1.0);
         let branches = skeleton.branches();
-        let mut tailor = Tailor { skin: self, skeleton, age, builder: BlobTreeBuilder::default() };
+        let mut tailor =
+            Tailor { skin: self, skeleton, age, builder: BlobTreeBuilder::for_skin(skeleton.len()) };
         let parents = parents(skeleton, &branches);
         // Parent branches come first, so backwards laterals are ready before they are needed.
         let mut done: Vec<Option<Node>> = branches.iter().map(|_| None).collect();
