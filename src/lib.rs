@@ -47,6 +47,7 @@
 //! | `json` | skeletons as JSON text, `export::json`, and recipes; implies `serde` |
 //! | `mint` | `From` and `Into` between [`glam`]'s vectors and `mint`'s, for users on another glam version |
 //! | `texture` | images that surfaces wear, `texture`; trees within a budget, levels in leaf, impostors, `asset` |
+//! | `jpeg` | JPEG for images without alpha in glTF files; implies `texture` |
 //! | `preview` | shaded PNG pictures without a GPU, `preview`; implies `texture` |
 //! | `import` | meshes from OBJ, STL, PLY and glTF files, outlines from SVG drawings and path data, as shapes |
 //! | `lidar` | point clouds of laser scanners, LAS, LAZ and E57: [`cloud`] |

@@ -13,8 +13,6 @@ pub(super) const PADDING: usize = 4;
 const THROUGH: f32 = 0.45;
 /// Colour of the light that passes a leaf, relative to that of the light it reflects: yellower, brighter.
 const GLOW: [f32; 3] = [1.35, 1.5, 0.7];
-/// Pixels per side of the smallest cells with normals: in smaller ones a leaf is a pixel.
-const NORMALS: usize = 48;
 /// Pixels with less cover are holes.
 pub(super) const CUTOFF: f32 = 0.5;
 
@@ -24,6 +22,8 @@ pub(super) struct Grid {
     pub(super) cell: usize,
     pub(super) columns: usize,
     pub(super) rows: usize,
+    /// `true` if there is a normal map.
+    pub(super) normals: bool,
 }
 
 impl Grid {
@@ -33,12 +33,7 @@ impl Grid {
         while columns * rows < cells {
             if columns > rows { rows *= 2 } else { columns *= 2 }
         }
-        Self { cell, columns, rows }
-    }
-
-    /// `true` if cells are large enough for normals to be seen.
-    pub(super) fn has_normals(&self) -> bool {
-        self.cell >= NORMALS
+        Self { cell, columns, rows, normals: true }
     }
 
     /// The corner of what is drawn in a cell, and its size, in texture coordinates.
@@ -62,11 +57,10 @@ pub(super) fn textures(
     cutoff: Option<f32>,
     watch: &Watch<'_>,
 ) -> Result<Textures, AssetError> {
-    let Grid { cell, columns, rows } = grid;
+    let Grid { cell, columns, rows, normals: has_normals } = grid;
     let (width, height) = (columns * cell, rows * cell);
     let tones = Tones::new();
     let mut color = vec![0; width * height * 4];
-    let has_normals = grid.has_normals();
     let mut normal = if has_normals { [128u8, 128, 255].repeat(width * height) } else { Vec::new() };
     // Light from behind is soft: half as many pixels each way are enough.
     let (wide, high) = (width / 2, height / 2);

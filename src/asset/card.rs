@@ -156,7 +156,7 @@ impl Source<'_> {
                 let bent = if quad == 0 { Vec3::Z * bend.at(at) } else { Vec3::ZERO };
                 mesh.positions.push(origin + flat + bent);
                 mesh.normals.push(toward);
-                if grid.has_normals() {
+                if grid.normals {
                     mesh.tangents.push(Vec4::from((right, 1.0)));
                 }
                 let uv = Vec2::new(u + across * (0.5 + 0.5 * sx), v + down * (0.5 - 0.5 * sy));

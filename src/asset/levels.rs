@@ -15,7 +15,7 @@ impl AssetBuilder {
     /// branches of the finer one only, and its cards stand for one or several cards of that, or for the
     /// leaves of one. Each level's images are a quarter as wide as those of the one before, 128 pixels at the
     /// least: a level is half as high on the screen, and has fewer cards. Cards of less than 48 pixels have no
-    /// normals. A level is meant for pictures in which the tree is [`Asset::pixels`] pixels high. There are fewer levels if there is nothing left to
+    /// normal map. A level is meant for pictures in which the tree is [`Asset::pixels`] pixels high. There are fewer levels if there is nothing left to
     /// drop.
     ///
     /// # Errors

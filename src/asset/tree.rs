@@ -26,6 +26,8 @@ const TWIG_KINDS: usize = 2;
 pub(super) const DRAWN: usize = 2048;
 /// Images of one leaf.
 const VARIANTS: u32 = 4;
+/// Pixels per side of the smallest cards with a normal map: in smaller ones a leaf is a pixel or two.
+const NORMALS: usize = 48;
 
 /// All that the levels of one tree share.
 pub(super) struct Tree<'a> {
@@ -234,6 +236,7 @@ impl<'a> Tree<'a> {
             .collect();
         let mut grid = Grid::of(2 * sorted.iter().map(|(_, models)| models.len()).sum::<usize>(), 1);
         grid.cell = (side as usize / grid.columns.max(grid.rows)).max(4 * atlas::PADDING);
+        grid.normals = grid.cell >= NORMALS;
         let (mut clusters, mut kind_of, mut kinds) = (Vec::new(), Vec::new(), Vec::<Kind>::new());
         for (carded, (of, models)) in carded().zip(sorted) {
             let first = kinds.len() as u32;

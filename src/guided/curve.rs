@@ -47,10 +47,12 @@ impl Line {
         self.ways[self.ways.len() - 1]
     }
 
-    /// Point at a share of its length; at least two points.
+    /// Point at a share of its length.
     pub(super) fn at(&self, share: f32) -> Vec3 {
-        if let [from, to] = self.points[..] {
-            return from + (to - from) * share;
+        match self.points[..] {
+            [alone] => return alone,
+            [from, to] => return from + (to - from) * share,
+            _ => {}
         }
         let way = share * self.length();
         let after = self.ways.partition_point(|&other| other < way).clamp(1, self.ways.len() - 1);

@@ -91,8 +91,9 @@ fn leaders_are_clothed() -> Result<(), Box<dyn Error>> {
 #[test]
 fn roots_spread_from_the_trunk_into_the_ground() -> Result<(), Box<dyn Error>> {
     for species in all() {
-        for seed in 0..SEEDS {
-            let tree = species.request().with_seed(seed).grow()?;
+        for (seed, dead) in (0..SEEDS).flat_map(|seed| [(seed, false), (seed, true)]) {
+            let request = species.request().with_seed(seed);
+            let tree = if dead { request.with_years_dead(80.0) } else { request }.grow()?;
             let (skeleton, rooted) = (&tree.skeleton, tree.rooted());
             let count = skeleton.len();
             assert_eq!(&rooted.positions()[..count], skeleton.positions());
@@ -110,6 +111,15 @@ fn roots_spread_from_the_trunk_into_the_ground() -> Result<(), Box<dyn Error>> {
                 assert_eq!(rooted.stages()[node], ROOT);
                 assert!(rooted.radii()[node] < 0.6 * skeleton.radii()[0]);
                 if parent < count {
+                    let top = (0..count)
+                        .take_while(|&node| node == 0 || skeleton.parent(node) == Some(node - 1))
+                        .last();
+                    let top = skeleton.positions()[top.unwrap_or(0)].y;
+                    assert!(
+                        rooted.positions()[node].y <= top,
+                        "{} {seed}: a root above the stem",
+                        species.name
+                    );
                     let out = (rooted.positions()[node] - rooted.positions()[parent]).with_y(0.0).length();
                     assert!(skeleton.stages()[parent] == STEM && out < skeleton.radii()[parent]);
                 }
@@ -127,7 +137,7 @@ fn roots_have_the_trunks_normals_where_they_come_out() -> Result<(), Box<dyn Err
     for (species, seed) in all().iter().zip(0..) {
         let tree = species.request().with_seed(seed).grow()?;
         let (skeleton, base) = (&tree.skeleton, tree.skeleton.radii()[0]);
-        let mut mesh = Tubes::default().with_wind(true).mesh(&tree.rooted())?;
+        let mut mesh = Tubes::default().with_wind(true).with_root_flare(0.0).mesh(&tree.rooted())?;
         tree.blend_roots(&mut mesh);
         let stem: Vec<usize> = (0..skeleton.len())
             .take_while(|&node| node == 0 || skeleton.parent(node) == Some(node - 1))

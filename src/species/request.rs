@@ -20,18 +20,24 @@ use std::borrow::Cow;
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 ///
-/// Serialized, the species is its name, or its [text](Species::to_text) if it is one of your own.
+/// Serialized, the species is its name, or its [text](Species::to_text) if it is one of your own. What could not be read back as it is, is
+/// an error: numbers that are not finite, and a species whose text gives another.
 #[must_use]
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
 pub struct Request<'a> {
     #[cfg_attr(feature = "serde", serde(with = "super::saved"))]
     species: Cow<'a, Species>,
+    #[cfg_attr(feature = "serde", serde(serialize_with = "super::saved::finite"))]
     height: Option<f32>,
+    #[cfg_attr(feature = "serde", serde(serialize_with = "super::saved::finite"))]
     dbh: Option<f32>,
+    #[cfg_attr(feature = "serde", serde(serialize_with = "super::saved::finite"))]
     age: Option<f32>,
+    #[cfg_attr(feature = "serde", serde(serialize_with = "super::saved::finite"))]
     spacing: Option<f32>,
     day: f32,
+    #[cfg_attr(feature = "serde", serde(serialize_with = "super::saved::finite"))]
     years_dead: Option<f32>,
     storm_damage: f32,
     seed: u64,

@@ -49,11 +49,16 @@ impl Specimen {
             return Ok(skeleton.clone());
         }
         let base = skeleton.radii()[0];
-        let stem: Vec<usize> = (0..skeleton.len())
-            .take_while(|&node| node == 0 || skeleton.parent(node) == Some(node - 1))
-            .take_while(|&node| skeleton.positions()[node].y <= WAY[0][1] * base)
-            .collect();
-        let from = stem[stem.len() - 1];
+        let stem = self.stem();
+        // No higher than what is left of a broken stem.
+        let top = skeleton.positions()[stem[stem.len() - 1]].y;
+        let high = (0.9 * top / (WAY[0][1] * base)).clamp(0.0, 1.0);
+        let reach = WAY[0][1] * base * high;
+        let from = stem
+            .iter()
+            .take_while(|&&node| skeleton.positions()[node].y <= reach)
+            .last()
+            .map_or(0, |&node| node);
         let foot = skeleton.positions()[0];
         let (mut positions, mut radii) = (skeleton.positions().to_vec(), skeleton.radii().to_vec());
         let (mut stages, mut orders) = (skeleton.stages().to_vec(), skeleton.orders().to_vec());
@@ -68,7 +73,10 @@ impl Specimen {
                 azimuth += 0.14 * draw.normal() * f32::from(out > 1.0);
                 let (sin, cos) = math::sin_cos(azimuth);
                 let out = out * base * (1.0 + (strong - 0.8) * f32::from(out > 1.0));
-                positions.push(foot + Vec3::new(out * cos, height * base * strong, out * sin));
+                let height = height * base * strong * if height > 0.0 { high } else { 1.0 };
+                // Beside the stem, which may lean.
+                let beside = self.stem_at(&stem, height).map_or(foot, |[axis, _]| axis).with_y(foot.y);
+                positions.push(beside + Vec3::new(out * cos, height, out * sin));
                 radii.push(THICKEST * base * strong * part);
                 parents.push(Some(parent as u32));
                 stages.push(STAGE);
@@ -82,24 +90,18 @@ impl Specimen {
     /// Bends the normals of roots towards the trunk's where they come out of it, so that light falls on both alike. The wind of the mesh
     /// tells the node of each vertex.
     pub(super) fn blend_roots(&self, mesh: &mut Mesh) {
-        let skeleton = &self.skeleton;
-        let base = skeleton.radii()[0];
+        let (skeleton, stem) = (&self.skeleton, self.stem());
         for (vertex, wind) in mesh.wind.iter().enumerate() {
             if (wind.node as usize) < skeleton.len() {
                 continue;
             }
             let place = mesh.positions[vertex];
-            let after = (1..skeleton.len())
-                .take_while(|&node| skeleton.parent(node) == Some(node - 1))
-                .find(|&node| skeleton.positions()[node].y >= place.y);
-            let Some(after) = after else { continue };
-            let [low, high] = [after - 1, after].map(|node| skeleton.positions()[node]);
-            let rise = (high.y - low.y).max(1e-6);
-            let share = ((place.y - low.y) / rise).clamp(0.0, 1.0);
-            let [thick, thin] = [after - 1, after].map(|node| skeleton.radii()[node]);
-            let out = (place - low.lerp(high, share)).with_y(0.0);
-            let away = (out.length() - (thick + (thin - thick) * share)) / (BLENDED * base);
-            let of_trunk = (out.normalize_or_zero() + Vec3::Y * ((thick - thin) / rise)).normalize_or_zero();
+            let Some([axis, Vec3 { x: radius, y: slope, .. }]) = self.stem_at(&stem, place.y) else {
+                continue;
+            };
+            let out = (place - axis).with_y(0.0);
+            let away = (out.length() - radius) / (BLENDED * skeleton.radii()[0]);
+            let of_trunk = (out.normalize_or_zero() + Vec3::Y * slope).normalize_or_zero();
             let part = 1.0 - away.clamp(0.0, 1.0);
             let own = mesh.normals[vertex];
             let normal = own.lerp(of_trunk, part * part * (3.0 - 2.0 * part)).normalize_or(own);
@@ -109,5 +111,23 @@ impl Specimen {
                 *tangent = along.normalize_or(math::perpendicular(normal)).extend(tangent.w);
             }
         }
+    }
+
+    /// Nodes of the stem, from the ground up.
+    fn stem(&self) -> Vec<usize> {
+        let goes_on = |&node: &usize| node == 0 || self.skeleton.parent(node) == Some(node - 1);
+        (0..self.skeleton.len()).take_while(goes_on).collect()
+    }
+
+    /// The stem's middle at a height, metres, and its radius with the rate at which that falls; none above its end.
+    fn stem_at(&self, stem: &[usize], height: f32) -> Option<[Vec3; 2]> {
+        let (positions, radii) = (self.skeleton.positions(), self.skeleton.radii());
+        let pair = stem.windows(2).find(|pair| positions[pair[1]].y >= height)?;
+        let [low, high] = [pair[0], pair[1]].map(|node| positions[node]);
+        let [thick, thin] = [pair[0], pair[1]].map(|node| radii[node]);
+        // A stem that hardly rises has its slope from a steeper one.
+        let rise = (high.y - low.y).max(0.1 * low.distance(high)).max(1e-6);
+        let share = ((height - low.y) / rise).clamp(0.0, 1.0);
+        Some([low.lerp(high, share), Vec3::new(thick + (thin - thick) * share, (thick - thin) / rise, 0.0)])
     }
 }

@@ -50,12 +50,13 @@ impl Specimen {
     }
 
     /// The tubes of the tree with a colour at each vertex, from old bark on the trunk to young bark on the twigs; to be
-    /// drawn with [`Material::white`].
+    /// drawn with [`Material::white`]. The trunk has its flare from its radii, and none from the tubes.
     ///
     /// # Errors
     /// As [`Tubes::mesh`].
     pub fn bark_mesh(&self, tubes: &Tubes) -> Result<Mesh, SurfaceError> {
-        let mut mesh = tubes.clone().with_wind(true).mesh(&self.rooted())?;
+        let tubes = tubes.clone().with_wind(true).with_root_flare(0.0);
+        let mut mesh = tubes.mesh(&self.rooted())?;
         self.blend_roots(&mut mesh);
         let colors = BarkColors::new(self);
         let places = mesh.wind.iter().zip(&mesh.positions);

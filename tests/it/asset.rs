@@ -106,6 +106,8 @@ fn levels_are_smaller_and_nested_and_look_alike() {
         for (i, (level, share)) in levels.iter().zip([1.0, 0.3, 0.08]).enumerate() {
             assert!(level.triangles() <= (share * 10_000.0) as usize, "{}", preset.name);
             check(level, preset.name);
+            let bumpy = level.card_textures().is_some_and(|cards| cards.normal().is_some());
+            assert_eq!(bumpy, i == 0, "{}, level {i}: a normal map", preset.name);
             let like = |pixels: f32| {
                 let pixels = pixels.clamp(8.0, 400.0) as u32;
                 let like = Likeness::of(&level.parts(), &dense.parts(), pixels).expect(preset.name);

@@ -124,6 +124,10 @@ fn an_example_is_measured() {
 
 #[test]
 fn a_stem_is_no_example() {
+    // A trunk of one node.
+    let tree = Skeleton::new(vec![Vec3::ZERO, Vec3::X, Vec3::Y], vec![None, Some(0), Some(0)]).unwrap();
+    let error = Example::of(&tree.with_orders(vec![0, 1, 1]).unwrap()).unwrap_err().to_string();
+    assert!(error.contains("a trunk of 0 m"), "{error}");
     let stem = Skeleton::new(vec![Vec3::ZERO, Vec3::Y], vec![None, Some(0)]).unwrap();
     assert_eq!(Example::of(&stem).unwrap_err().parameter, "Example.skeleton");
     let point = Skeleton::new(vec![Vec3::ZERO; 3], vec![None, Some(0), Some(0)]).unwrap();

@@ -174,6 +174,33 @@ fn limbs_beyond_the_paper_are_clothed_and_stout() {
     }
 }
 
+/// Points on one another, on the ends, near them: a trunk goes from its base to its top, whole.
+#[test]
+fn leaders_pass_their_points() {
+    let (base, top) = (Vec3::new(0.0, -10.0, 0.0), Vec3::new(0.0, 10.0, 0.0));
+    let side = Vec3::new(2.0, 1.0, 0.0);
+    let tiny = Vec3::new(1e-15, 0.0, 0.0);
+    for points in [
+        vec![Vec3::ZERO, tiny],
+        vec![base, side, side, top],
+        vec![top],
+        vec![base, base + tiny, side, top + tiny],
+    ] {
+        let leader = Leader::new(base, top).with_points(points.clone()).with_waywardness(0.0);
+        let line = leader.skeleton(1, 0.1).unwrap();
+        let (first, last) = (line.positions()[0], line.positions()[line.len() - 1]);
+        assert!(first.distance(base) < 1e-4 && last.distance(top) < 1e-4, "{points:?}: {first} {last}");
+        if points.contains(&side) {
+            let nearest = line.positions().iter().map(|place| place.distance(side)).fold(f32::MAX, f32::min);
+            assert!(nearest < 0.06, "{points:?}: {nearest}");
+        }
+    }
+    let named =
+        |point: Vec3| Leader::new(base, top).with_points([point]).skeleton(1, 0.1).unwrap_err().to_string();
+    assert!(named(Vec3::NAN).starts_with("Leader.points[0] is"), "{}", named(Vec3::NAN));
+    assert!(named(Vec3::X * 2e6).starts_with("Leader.points[0] is"));
+}
+
 #[test]
 fn leaders_are_as_straight_as_they_say() {
     for (waywardness, seed) in [(0.0, 1), (0.02, 1), (0.02, 2), (0.1, 3)] {

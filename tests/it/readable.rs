@@ -88,6 +88,12 @@ fn requests_survive_their_text() {
     assert_eq!(serde_json::from_str::<Request>(&text).unwrap().species(), &own);
     let text = serde_json::to_string(&oak.request()).unwrap();
     assert!(text.contains(r#""species":"English oak""#), "{text}");
+    // What would come back as another is refused.
+    assert!(serde_json::to_string(&oak.request().with_height(f32::NAN)).is_err());
+    let mut odd = oak.clone();
+    odd.limbs.crooked = 1e9;
+    let error = serde_json::to_string(&odd.request()).unwrap_err().to_string();
+    assert!(error.contains("limbs.crooked"), "{error}");
     let error = serde_json::from_str::<Request>(&text.replace("English oak", "Englisch oak")).unwrap_err();
     assert!(error.to_string().contains("English oak"), "{error}");
 }

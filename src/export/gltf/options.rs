@@ -67,7 +67,7 @@ pub struct GlbOptions {
     pub(super) wind: WindEncoding,
     pub(super) breeze: Option<Breeze>,
     #[cfg(feature = "jpeg")]
-    #[cfg_attr(feature = "serde", serde(default))]
+    #[cfg_attr(feature = "serde", serde(default, skip_serializing_if = "Option::is_none"))]
     pub(super) jpeg: Option<u8>,
 }
 
@@ -101,7 +101,7 @@ crate::recipe::readable!(GlbOptions { jpeg: Option<u8> });
 
 impl Default for GlbOptions {
     /// Named `tree`, [`Material::bark`], [`Instancing::Merged`], [`LevelNodes::Extension`], no screen coverages, not
-    /// quantized, [`WindEncoding::Attributes`], no breeze: a core glTF file.
+    /// quantized, [`WindEncoding::Attributes`], no breeze, PNG images: a core glTF file.
     fn default() -> Self {
         Self {
             name: "tree".into(),

@@ -253,7 +253,7 @@ fn waywardness(points: &[Vec3], form: &Line) -> f32 {
     let mut eighths: Vec<f32> =
         points.chunks(points.len().div_ceil(8)).map(|points| stray(points, form)).collect();
     eighths.sort_by(f32::total_cmp);
-    let lower = &points[..points.len().div_ceil(2).max(2)];
+    let lower = &points[..points.len().div_ceil(2).max(2).min(points.len())];
     let straight = Line::new(vec![lower[0], lower[lower.len() - 1]]);
     eighths[eighths.len() / 2].max(0.5 * stray(lower, &straight)).min(0.5)
 }

@@ -32,7 +32,7 @@ use std::sync::Arc;
 /// Traits of a tree, measured on a skeleton, and a [`TreeSynth`] that grows more of its kind.
 ///
 /// Measured are, order by order, how branches are spaced along their parent branches, the angles at which they leave, how
-/// they bend, how long they are and where they end; the trunk's length, waywardness, clear bole and diameter; the
+/// they bend, how long they are and where they end; the trunk's length, form, waywardness, clear bole and diameter; the
 /// crown's extent at each height; and thickness by the share of tips that a branch bears.
 ///
 /// The synthesizer has one stage per order. Its endpoints are laterals of the example's branches of like length, scaled

@@ -69,7 +69,7 @@ impl Leader {
         self
     }
 
-    /// The farthest distance from its line over the distance between its ends, in [0, 0.5]: 0 is ruler-straight, 0.02 a
+    /// The farthest distance from its line over the distance between its ends, in [0, 0.5], at most where the line is curved: 0 is ruler-straight, 0.02 a
     /// forest tree, 0.1 gnarled.
     pub fn with_waywardness(mut self, waywardness: f32) -> Self {
         self.waywardness = waywardness;
@@ -180,12 +180,19 @@ impl Leader {
 
     /// The line that it strays from.
     pub(in crate::guided) fn line(&self) -> Line {
-        let mut given = vec![self.base];
-        given.extend(self.points.iter().copied().chain([self.top]));
-        given.dedup();
         if self.points.is_empty() {
-            return Line::new(given);
+            return Line::new(vec![self.base, self.top]);
         }
+        // Points that lie on one another have no curve between them.
+        let all = self.points.iter().chain([&self.top]);
+        let least = 1e-6 * all.map(|point| point.distance(self.base)).fold(0.0, f32::max);
+        let mut given = vec![self.base];
+        given.extend(&self.points);
+        given.dedup_by(|point, before| point.distance(*before) <= least);
+        while given.len() > 1 && given[given.len() - 1].distance(self.top) <= least {
+            given.pop();
+        }
+        given.push(self.top);
         let last = given.len() - 1;
         let mut points = vec![self.base];
         for i in 0..last {

@@ -133,7 +133,6 @@ impl Curve {
                 directions: [leaving, arriving].map(Vec3::normalize_or_zero),
                 rises: rise,
             };
-            // One if there are points that are not finite.
             let parts = |most: f32| ((turn / most).ceil().min(MOST_PARTS) as u32).max(1);
             let knot = |k: u32, of: u32| span.at(k as f32 / of as f32);
             let cone_of = |from: &Knot, to: &Knot| cone([from.point, to.point], [from.radius, to.radius]);
