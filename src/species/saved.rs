@@ -20,6 +20,7 @@ pub(super) fn serialize<S: Serializer>(species: &Species, serializer: S) -> Resu
 }
 
 /// A number, which JSON has no word for if it is not finite.
+#[expect(clippy::ref_option, clippy::trivially_copy_pass_by_ref, reason = "serde calls it so")]
 pub(super) fn finite<S: Serializer>(value: &Option<f32>, serializer: S) -> Result<S::Ok, S::Error> {
     match value {
         Some(value) if !value.is_finite() => {
