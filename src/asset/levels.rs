@@ -15,8 +15,8 @@ impl AssetBuilder {
     /// branches of the finer one only, and its cards stand for one or several cards of that, or for the
     /// leaves of one. Each level's images are a quarter as wide as those of the one before, 128 pixels at the
     /// least: a level is half as high on the screen, and has fewer cards. Cards of less than 48 pixels have no
-    /// normal map. A level is meant for pictures in which the tree is [`Asset::pixels`] pixels high. There are fewer levels if there is nothing left to
-    /// drop.
+    /// normal map. A level is meant for pictures in which the tree is [`Asset::pixels`] pixels high. There are
+    /// fewer levels if there is nothing left to drop.
     ///
     /// # Errors
     /// Shares that are not 1 to 8 numbers in (0, 1], each less than the one before; otherwise as [`build`](Self::build). A

@@ -1,6 +1,6 @@
 //! Properties of every tree of every species, over many seeds.
 
-use super::{LeafShape, Trunk, all};
+use super::{LeafShape, Request, Trunk, all};
 use crate::Skeleton;
 use crate::surface::Tubes;
 use glam::Vec3;
@@ -93,7 +93,11 @@ fn roots_spread_from_the_trunk_into_the_ground() -> Result<(), Box<dyn Error>> {
     for species in all() {
         for (seed, dead) in (0..SEEDS).flat_map(|seed| [(seed, false), (seed, true)]) {
             let request = species.request().with_seed(seed);
-            let tree = if dead { request.with_years_dead(80.0) } else { request }.grow()?;
+            // The thickest break lowest, in their radii.
+            let dead_giant = |request: Request<'_>| {
+                request.with_dbh(0.9 * species.size.diameter[1]).with_years_dead(80.0).grow()
+            };
+            let tree = if dead { dead_giant(request) } else { request.grow() }?;
             let (skeleton, rooted) = (&tree.skeleton, tree.rooted());
             let count = skeleton.len();
             assert_eq!(&rooted.positions()[..count], skeleton.positions());
@@ -111,10 +115,7 @@ fn roots_spread_from_the_trunk_into_the_ground() -> Result<(), Box<dyn Error>> {
                 assert_eq!(rooted.stages()[node], ROOT);
                 assert!(rooted.radii()[node] < 0.6 * skeleton.radii()[0]);
                 if parent < count {
-                    let top = (0..count)
-                        .take_while(|&node| node == 0 || skeleton.parent(node) == Some(node - 1))
-                        .last();
-                    let top = skeleton.positions()[top.unwrap_or(0)].y;
+                    let top = skeleton.positions()[tree.stem()[tree.stem().len() - 1]].y;
                     assert!(
                         rooted.positions()[node].y <= top,
                         "{} {seed}: a root above the stem",
@@ -139,9 +140,7 @@ fn roots_have_the_trunks_normals_where_they_come_out() -> Result<(), Box<dyn Err
         let (skeleton, base) = (&tree.skeleton, tree.skeleton.radii()[0]);
         let mut mesh = Tubes::default().with_wind(true).with_root_flare(0.0).mesh(&tree.rooted())?;
         tree.blend_roots(&mut mesh);
-        let stem: Vec<usize> = (0..skeleton.len())
-            .take_while(|&node| node == 0 || skeleton.parent(node) == Some(node - 1))
-            .collect();
+        let stem = tree.stem();
         for (vertex, wind) in
             mesh.wind.iter().enumerate().filter(|(_, wind)| wind.node as usize >= skeleton.len())
         {

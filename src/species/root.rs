@@ -113,9 +113,11 @@ impl Specimen {
         }
     }
 
-    /// Nodes of the stem, from the ground up.
-    fn stem(&self) -> Vec<usize> {
-        let goes_on = |&node: &usize| node == 0 || self.skeleton.parent(node) == Some(node - 1);
+    /// Nodes of the stem, from the ground up; splinters at its broken end are not of it.
+    pub(super) fn stem(&self) -> Vec<usize> {
+        let orders = self.skeleton.orders();
+        let goes_on =
+            |&node: &usize| node == 0 || orders[node] == 0 && self.skeleton.parent(node) == Some(node - 1);
         (0..self.skeleton.len()).take_while(goes_on).collect()
     }
 

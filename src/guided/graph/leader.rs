@@ -69,8 +69,8 @@ impl Leader {
         self
     }
 
-    /// The farthest distance from its line over the distance between its ends, in [0, 0.5], at most where the line is curved: 0 is ruler-straight, 0.02 a
-    /// forest tree, 0.1 gnarled.
+    /// The farthest distance from its line over the distance between its ends, in [0, 0.5]: 0 is ruler-straight, 0.02 a forest
+    /// tree, 0.1 gnarled. From a curve [through points](Self::with_points) it is at most that.
     pub fn with_waywardness(mut self, waywardness: f32) -> Self {
         self.waywardness = waywardness;
         self
@@ -111,7 +111,7 @@ impl Leader {
         Self { base, top: base + (self.top - self.base), points, waywardness: self.waywardness }
     }
 
-    /// The trunk of a seed, with nodes about `spacing` metres apart. O(nodes).
+    /// The trunk of a seed, with nodes about `spacing` metres apart. O(nodes + points).
     ///
     /// # Errors
     /// An option out of range, or a spacing that makes for more than a million nodes.
