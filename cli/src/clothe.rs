@@ -169,7 +169,7 @@ impl Clothes {
         } else {
             tree.levels(self.triangles(), side, &self.shares())?
         };
-        self.ended(levels)
+        self.ended(levels, &tree.skeleton)
     }
 
     /// Any other tree, in bark of a colour or of images.
@@ -210,15 +210,16 @@ impl Clothes {
             let sway = Sway::of(skeleton)?;
             levels = levels.iter().map(|level| level.in_wind(&sway)).collect::<Result<_, _>>()?;
         }
-        self.ended(levels)
+        self.ended(levels, skeleton)
     }
 
     /// Levels with an impostor behind them.
-    fn ended(&self, mut levels: Vec<Asset>) -> Result<Model, Failure> {
+    fn ended(&self, mut levels: Vec<Asset>, skeleton: &Skeleton) -> Result<Model, Failure> {
         if levels.len() > 1 {
             // It is for trees that are less high than this many pixels.
             let side = self.side().unwrap_or(512).clamp(128, 256);
-            levels.push(Impostor::default().with_texture_size(side).billboards(&levels[0].parts())?);
+            let impostor = Impostor::default().with_texture_size(side).billboards(&levels[0].parts())?;
+            levels.push(if self.wind { impostor.in_wind(&Sway::of(skeleton)?)? } else { impostor });
         }
         Ok(Model::Levels(levels))
     }

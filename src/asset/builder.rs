@@ -110,16 +110,21 @@ impl AssetBuilder {
     /// # Errors
     /// As [`Bark::bake`].
     pub fn with_bark_of(self, bark: &Bark) -> Result<Self, AssetError> {
-        self.with_bark_in_colors(bark, &bark.clone().young())
+        self.with_bark_in_colors(bark, &bark.clone().young(), Self::THIN)
     }
 
-    /// As [`with_bark_of`](Self::with_bark_of), the young bark given.
-    pub(crate) fn with_bark_in_colors(mut self, bark: &Bark, young: &Bark) -> Result<Self, AssetError> {
+    /// As [`with_bark_of`](Self::with_bark_of), given the young bark and the radius below which wood wears it, metres.
+    pub(crate) fn with_bark_in_colors(
+        mut self,
+        bark: &Bark,
+        young: &Bark,
+        radius: f32,
+    ) -> Result<Self, AssetError> {
         let young = young.clone().with_resolution((bark.resolution() / 4).max(64)).bake()?;
         let old = bark.bake()?;
         self.tubes = self.tubes.with_tile(old.size);
         let own = self.with_bark(Material::white().with_roughness(1.0)).with_bark_textures(old.textures);
-        Ok(own.with_young_bark(young.textures, young.size, Self::THIN))
+        Ok(own.with_young_bark(young.textures, young.size, radius))
     }
 
     /// Leaves whose twigs the budget has no room for stand on the nearest wood that is drawn, if they are so few that one would see them

@@ -23,6 +23,8 @@ const UPWARD: f32 = 0.6;
 const FACING: f32 = 0.35;
 /// Points along each side of a baked pixel.
 const SAMPLES: usize = 3;
+/// Name of the part of crossed billboards.
+pub(super) const IMPOSTOR: &str = "impostor";
 
 /// Bakes a tree into pictures, for where it is small.
 ///
@@ -169,7 +171,7 @@ impl Impostor {
             let pictures: Vec<Baked> = pictures.iter().map(|baked| baked.thickened(thicker)).collect();
             let textures = Arc::new(atlas::textures(grid, &pictures, gain, Some(atlas::CUTOFF), &watch)?);
             let piece = Piece {
-                name: "impostor",
+                name: IMPOSTOR,
                 mesh: mesh.clone(),
                 material: Material::leaf().with_color([1.0; 3]).with_double_sided(false),
                 textures: Some(textures),

@@ -1,5 +1,6 @@
 //! Assets that move in the wind.
 
+use super::impostor::IMPOSTOR;
 use super::light::{Crown, in_bytes};
 use super::{Asset, AssetError};
 use crate::foliage::{Leaf, Leaves, bend_about};
@@ -9,7 +10,7 @@ impl Asset {
     /// The asset with [`Wind`](crate::surface::Wind) in all its vertices, so that bark, leaves and cards move together: each leaf and
     /// each card goes with the twig that bears it. Copies become one mesh, since glTF and engines cannot bend instances. Bark that
     /// has wind already, from [`Tubes::with_wind`](crate::surface::Tubes::with_wind), keeps it, and its junctions stay closed; other
-    /// bark moves with the internode next to each vertex, which may open a junction a little.
+    /// bark moves with the internode next to each vertex, which may open a junction a little. An impostor leans with the trunk.
     /// O(vertices · log nodes).
     ///
     /// ```
@@ -36,6 +37,10 @@ impl Asset {
             sway.clothe(mesh);
         }
         for piece in asset.leaves.iter_mut().chain(&mut asset.cards) {
+            if piece.name == IMPOSTOR {
+                sway.lean(&mut piece.mesh);
+                continue;
+            }
             let leaves = Leaves { leaf: Leaf::new(piece.mesh.clone()), instances: piece.instances.clone() };
             piece.mesh = leaves.mesh_in_wind(sway)?;
             piece.instances = vec![Instance::IDENTITY];

@@ -2,6 +2,7 @@
 
 use super::Specimen;
 use super::bark_colors::{BarkColors, FRESH, WEATHERED, linear};
+use super::root;
 use crate::asset::{Asset, AssetBuilder, AssetError};
 use crate::surface::{Material, Sway, Tubes};
 use crate::texture::{Bark, BarkKind};
@@ -80,6 +81,7 @@ impl Specimen {
 
     /// The levels, with wind in their bark.
     fn grown(&self, triangles: Option<usize>, side: u32, shares: &[f32]) -> Result<Vec<Asset>, AssetError> {
+        let rooted = self.rooted();
         let bark = self.bark_texture().with_resolution(side);
         // One mean: the colours of trunk and twigs are the vertices'.
         let young = bark.clone().young().with_color(self.lightest().map(|channel| channel as u8));
@@ -88,13 +90,13 @@ impl Specimen {
         let builder = AssetBuilder::default()
             .with_triangles(triangles)
             .with_tubes(tubes.with_square_tiles(true))
-            .with_bark_in_colors(&bark, &young)?
+            .with_bark_in_colors(&bark, &young, root::thinnest(&rooted).min(AssetBuilder::THIN))?
             .with_twigs(twigs)
             .with_leaves_on_bark(self.leaves.is_none())
             .with_texture_size(side)
             .with_leaf_size(Some((side / 4).clamp(32, 2048)));
         let mut levels =
-            builder.levels_with(&self.rooted(), &self.foliage().cloned().collect::<Vec<_>>(), shares)?;
+            builder.levels_with(&rooted, &self.foliage().cloned().collect::<Vec<_>>(), shares)?;
         let (colors, lightest) = (BarkColors::new(self), linear(self.lightest()));
         for level in &mut levels {
             let color = |node: u32, height: f32| {

@@ -120,7 +120,7 @@ impl Default for Trunk {
             sweep: 3.0,
             profile: [0.83, 0.64, 0.40],
             flare: 0.3,
-            roots: [4.0, 6.0],
+            roots: [5.0, 8.0],
             clear: [0.2, 0.55],
         }
     }

@@ -2,7 +2,7 @@
 
 use super::{LeafShape, Request, Trunk, all};
 use crate::Skeleton;
-use crate::surface::Tubes;
+use crate::surface::{Tubes, Wind};
 use glam::Vec3;
 use std::collections::BTreeSet;
 use std::error::Error;
@@ -128,6 +128,30 @@ fn roots_spread_from_the_trunk_into_the_ground() -> Result<(), Box<dyn Error>> {
             rooted.check()?;
         }
     }
+    Ok(())
+}
+
+/// Roots wear the bark of the trunk, however thin they are.
+#[test]
+fn roots_wear_old_bark() -> Result<(), Box<dyn Error>> {
+    let mut seen = 0;
+    for (species, seed) in all().iter().zip(0..) {
+        let tree = species
+            .request()
+            .with_dbh(species.size.diameter[0].max(0.11))
+            .with_seed(seed)
+            .with_day(20.0)
+            .grow()?;
+        for level in tree.levels_in_wind(Some(20_000), 128, &[1.0, 0.3])? {
+            for part in level.parts() {
+                let of_roots = |wind: &&Wind| wind.node as usize >= tree.skeleton.len();
+                let count = part.mesh().wind.iter().filter(of_roots).count();
+                assert!(count == 0 || part.name() != "young bark", "{} {seed}: {count}", species.name);
+                seen += usize::from(count > 0);
+            }
+        }
+    }
+    assert!(seen > 20, "{seen} levels");
     Ok(())
 }
 

@@ -14,14 +14,14 @@ const THINNEST: f32 = 0.08;
 /// The way of a root: distance from the trunk's axis in radii of its base, height in radii of its base, and radius
 /// as a part of the first.
 const WAY: [[f32; 3]; 8] = [
-    [0.4, 3.0, 0.5],
-    [0.53, 2.1, 0.62],
-    [0.68, 1.35, 0.78],
-    [0.88, 0.75, 0.95],
-    [1.15, 0.32, 1.0],
-    [1.5, 0.04, 0.8],
-    [2.0, -0.14, 0.58],
-    [2.6, -0.34, 0.4],
+    [0.3, 2.9, 0.5],
+    [0.46, 1.95, 0.65],
+    [0.64, 1.2, 0.82],
+    [0.84, 0.64, 0.98],
+    [1.1, 0.22, 1.05],
+    [1.42, -0.1, 0.95],
+    [1.8, -0.38, 0.75],
+    [2.2, -0.6, 0.5],
 ];
 /// Radius of the thickest root at its base, as a part of the trunk's there.
 const THICKEST: f32 = 0.4;
@@ -29,6 +29,13 @@ const THICKEST: f32 = 0.4;
 const BLENDED: f32 = 0.3;
 /// The stage of their nodes.
 pub(super) const STAGE: u16 = Rank::Shoot as u16 + 1;
+
+/// The radius with which the thinnest root leaves the trunk, metres; infinite without roots. Thicker wood wears old bark.
+pub(super) fn thinnest(rooted: &Skeleton) -> f32 {
+    let stages = rooted.stages();
+    let firsts = rooted.edges().filter(|&(node, parent)| stages[node] == STAGE && stages[parent] != STAGE);
+    firsts.map(|(node, _)| rooted.radii()[node]).fold(f32::INFINITY, f32::min)
+}
 
 impl Specimen {
     /// The skeleton with the bases of its roots, whose nodes come after all others and have stage 5: what the bark is made of.
@@ -66,13 +73,13 @@ impl Specimen {
             (0..skeleton.len()).map(|node| skeleton.parent(node).map(|parent| parent as u32)).collect();
         let start = draw.unit() * TAU;
         for root in 0..count {
-            let mut azimuth = start + (root as f32 + 0.45 * (draw.unit() - 0.5)) * TAU / count as f32;
-            let strong = draw.within([0.65, 1.0]);
+            let mut azimuth = start + (root as f32 + 0.7 * (draw.unit() - 0.5)) * TAU / count as f32;
+            let strong = draw.within([0.5, 1.0]);
             let mut parent = from;
             for [out, height, part] in WAY {
-                azimuth += 0.14 * draw.normal() * f32::from(out > 1.0);
+                azimuth += 0.1 * draw.normal() * f32::from(out > 1.0);
                 let (sin, cos) = math::sin_cos(azimuth);
-                let out = out * base * (1.0 + (strong - 0.8) * f32::from(out > 1.0));
+                let out = out * base * (1.0 + 1.2 * (strong - 0.8) * f32::from(out > 1.0));
                 let height = height * base * strong * if height > 0.0 { high } else { 1.0 };
                 // Beside the stem, which may lean.
                 let beside = self.stem_at(&stem, height).map_or(foot, |[axis, _]| axis).with_y(foot.y);

@@ -180,6 +180,16 @@ impl Sway {
         Ok(())
     }
 
+    /// Gives each vertex the [`Wind`] of the trunk at its height, or of its end above that: the mesh leans as one.
+    pub(crate) fn lean(&self, mesh: &mut Mesh) {
+        let trunk = self.starts.get(1).map_or(&[][..], |&end| &self.nodes[..end as usize]);
+        let wind = |&place: &Vec3| {
+            let above = trunk.iter().find(|&&node| self.bends[node as usize].at.y >= place.y);
+            above.or(trunk.last()).map_or(Wind::default(), |&node| self.wind(node, place))
+        };
+        mesh.wind = mesh.positions.iter().map(wind).collect();
+    }
+
     /// Angles by which trunk, limb and twig turn an internode at the place next to a point, radians at the strongest gust.
     pub(crate) fn angles(&self, node: u32, point: Vec3) -> [f32; 3] {
         self.bend(node, point).angles

@@ -6,7 +6,7 @@ use treesynth::asset::{Asset, AssetBuilder, AssetError, Impostor, LeafImages, Li
 use treesynth::foliage::{Foliage, Leaf, Leaves};
 use treesynth::glam::Vec3;
 use treesynth::presets::{self, Preset, Season};
-use treesynth::surface::{Instance, Part, SurfaceError, Tubes};
+use treesynth::surface::{Instance, Part, SurfaceError, Sway, Tubes};
 use treesynth::{Skeleton, texture::Textures};
 
 fn tree(preset: &Preset, nodes: usize) -> Skeleton {
@@ -215,6 +215,39 @@ fn impostors_hide_as_much_as_the_tree() {
         let pixels = (0..32 * 32).map(|i| (cell % 8 * 32 + i % 32, cell / 8 * 32 + i / 32));
         let covered = pixels.filter(|(x, y)| all_around.color.pixel(*x, *y)[3] > 0).count();
         assert!(covered > 50, "view {cell} is empty");
+    }
+}
+
+/// An impostor's upper edge moves as far as the upper tenth of the model that it stands for, on the average of a period; its lower
+/// edge stays.
+#[test]
+fn impostors_lean_with_the_tree() {
+    for (preset, foliage) in in_leaf(7) {
+        let tree = tree(preset, 2_000);
+        let sway = Sway::of(&tree).expect(preset.name);
+        let model = small(preset, foliage).with_triangles(Some(4_000)).build(&tree, 1).expect(preset.name);
+        let far = Impostor::default().with_texture_size(128).billboards(&model.parts()).expect(preset.name);
+        let (model, far) = (model.in_wind(&sway).expect(preset.name), far.in_wind(&sway).expect(preset.name));
+        let ups = || tree.positions().iter().map(|place| place.y);
+        let top = ups().fold(f32::NEG_INFINITY, f32::max);
+        let height = top - ups().fold(f32::INFINITY, f32::min);
+        let moved = |asset: &Asset, heights: std::ops::Range<f32>| -> f32 {
+            let parts = asset.parts();
+            let meshes = parts.iter().map(Part::mesh);
+            let vertices = meshes.flat_map(|mesh| mesh.positions.iter().zip(&mesh.wind));
+            let within = vertices.filter(|(place, _)| heights.contains(&((top - place.y) / height)));
+            let ways: Vec<f32> = within
+                .flat_map(|(&place, wind)| {
+                    (0..16).map(move |i| wind.blown(place, 0.5 * i as f32, Vec3::X) - place)
+                })
+                .map(|way| way.x)
+                .collect();
+            assert!(!ways.is_empty(), "{}: {heights:?}", preset.name);
+            ways.iter().sum::<f32>() / ways.len() as f32
+        };
+        let (crown, edge) = (moved(&model, -0.2..0.1), moved(&far, -0.2..0.1));
+        assert!((0.3..1.2).contains(&(edge / crown)), "{}: {edge} m for {crown} m", preset.name);
+        assert!(moved(&far, 0.9..1.3).abs() < 0.02 * edge, "{}", preset.name);
     }
 }
 
