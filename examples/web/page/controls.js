@@ -13,6 +13,12 @@ function element(name, properties = {}, children = []) {
   return made;
 }
 
+// What an entry of the list is called on the page.
+function title({ name, kind, about }) {
+  if (kind === "years") return name.replace(/^growth-(\d+-)?/, "").replaceAll("-", " ");
+  return kind === "preset" ? `${name}: ${about}` : name;
+}
+
 export class Controls {
   #list;
   #changed;
@@ -25,7 +31,7 @@ export class Controls {
     this.#list = list;
     this.#changed = changed;
     const group = (kind, label) => element("optgroup", { label }, list.filter((entry) => entry.kind === kind)
-      .map((entry) => element("option", { value: entry.name, textContent: entry.name })));
+      .map((entry) => element("option", { value: entry.name, textContent: title(entry) })));
     at("tree").append(group("species", "Species"), group("years", "Over the years"), group("preset", "Least-cost paths"));
     at("tree").addEventListener("change", () => {
       this.#make();

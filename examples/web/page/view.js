@@ -57,6 +57,8 @@ export class View {
   #usual = 1;
   #wanted = null;
   #drawn = false;
+  // Greatest extent of the tree, metres.
+  #reach = 1;
 
   constructor(canvas) {
     this.canvas = canvas;
@@ -93,6 +95,9 @@ export class View {
       }
       if (this.#drawn) {
         this.#drawn = false;
+        const away = this.#camera.position.distanceTo(this.#controls.target);
+        this.#scene.fog.near = away + this.#reach;
+        this.#scene.fog.far = away + 3 * this.#reach;
         this.#renderer.render(this.#scene, this.#camera);
       }
       requestAnimationFrame(frame);
@@ -110,7 +115,9 @@ export class View {
     this.#scene.background = new THREE.Color(sky);
     const isDark = this.#scene.background.getHSL({}).l < 0.4;
     this.#ground.material.color.set(isDark ? 0x4b5340 : 0x8f9a74);
-    this.#scene.fog = null;
+    // The ground ends in the sky's colour, wherever its edge is.
+    this.#scene.fog ??= new THREE.Fog(sky);
+    this.#scene.fog.color.set(sky);
     this.redraw();
   }
 
@@ -240,6 +247,7 @@ export class View {
   #light(box) {
     const size = box.getSize(new THREE.Vector3());
     const reach = Math.max(size.y, size.x, size.z, 0.5);
+    this.#reach = reach;
     this.#sun.target.position.set(0, size.y * 0.4, 0);
     this.#sun.position.copy(this.#sun.target.position).add(new THREE.Vector3(-0.5, 1, 0.75).multiplyScalar(reach * 1.5));
     const shadow = this.#sun.shadow.camera;

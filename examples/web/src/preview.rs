@@ -15,8 +15,8 @@ use treesynth::surface::{Instance, Material, Mesh, Tubes};
 
 /// Nodes that previews may have.
 pub const NODES: RangeInclusive<usize> = 1_000..=20_000;
-/// Nodes of a preview for each of its leaves, at the least.
-const NODES_PER_LEAF: usize = 4;
+/// Leaves of a preview at the most, if this is more than half of its nodes: larger ones would not look like leaves.
+const LEAVES: usize = 3_000;
 /// Triangles of a leaf of a preview at the most.
 const TRIANGLES: usize = 4;
 /// Error of a preview's tubes, as a share of the tree's height: a pixel or two of the page.
@@ -88,7 +88,7 @@ pub fn pieces<'a>(
 ) -> Vec<Piece> {
     let all: Vec<&Leaves> = leaves.collect();
     let count: usize = all.iter().map(|leaves| leaves.instances.len()).sum();
-    let step = count.div_ceil(nodes / NODES_PER_LEAF).max(1);
+    let step = count.div_ceil(LEAVES.max(nodes / 2)).max(1);
     let bark = Piece { mesh: bark, material, copies: None };
     let leaves = all.into_iter().map(|leaves| few(leaves, step)).filter(|leaves| leaves.triangles() > 0);
     [bark].into_iter().chain(leaves).collect()

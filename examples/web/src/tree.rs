@@ -19,6 +19,9 @@ use treesynth::{Observer, Skeleton, Work};
 /// Triangles of the levels over those of the finest; the last one is of images that cross.
 const SHARES: [f32; 3] = [1.0, 0.3, 0.08];
 
+/// Least side of the images that cross, pixels.
+const IMPOSTOR: u32 = 256;
+
 pub struct Tree<'a> {
     pub name: &'a str,
     pub skeleton: Skeleton,
@@ -72,7 +75,9 @@ impl Ask {
     fn with_impostor(&self, mut levels: Vec<Asset>) -> Result<Look, Box<dyn Error>> {
         if self.format == "levels" || self.level >= SHARES.len() {
             let finest = levels.first().ok_or("no level")?;
-            let far = Impostor::default().with_texture_size(self.textures).billboards(&finest.parts())?;
+            let far = Impostor::default()
+                .with_texture_size(self.textures.max(IMPOSTOR))
+                .billboards(&finest.parts())?;
             levels.push(far);
         }
         Ok(Look::Levels(levels))
