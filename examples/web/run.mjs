@@ -1,4 +1,5 @@
-// Builds the page and serves it: `node run.mjs [--build] [--port N]`. Needs Rust, its target wasm32-unknown-unknown
+// Builds the page and serves it: `node run.mjs [--build] [--page] [--port N]`. `--build` serves nothing, `--page` leaves the module as it
+// is. Needs Rust, its target wasm32-unknown-unknown
 // (`rustup target add wasm32-unknown-unknown`) and Node.js 20. Nothing is installed outside this folder.
 //
 // Where rustup reaches no server, the standard library is built from its source, of the compiler's own version: a folder in
@@ -41,7 +42,23 @@ function target() {
   };
 }
 
-async function build() {
+// The page as it is served; `isPageOnly` keeps the module that was built last.
+async function build(isPageOnly) {
+  if (!isPageOnly) module();
+  for (const file of ["index.html", "style.css"]) cpSync(join(here, "page", file), join(out, file));
+  // There only now.
+  const { build: bundle } = await import("esbuild");
+  const shared = { bundle: true, minify: true, target: "es2022", logLevel: "warning", outdir: out };
+  await bundle({ ...shared, entryPoints: [join(here, "page/main.js")], format: "esm" });
+  await bundle({ ...shared, entryPoints: [join(here, "page/worker.js")], format: "iife" });
+  writeFileSync(join(out, "LICENSE-three.txt"), readFileSync(join(here, "node_modules/three/LICENSE")));
+  for (const file of ["treesynth.wasm", "main.js", "worker.js"]) {
+    const bytes = readFileSync(join(out, file));
+    console.log(`${file}: ${(bytes.length / 1e6).toFixed(2)} MB, ${(gzipSync(bytes).length / 1e6).toFixed(2)} MB compressed`);
+  }
+}
+
+function module() {
   const { args, env } = target();
   run("cargo", ["build", "--release", "--locked", "--lib", "--target", TARGET, ...args], {
     env: {
@@ -60,17 +77,6 @@ async function build() {
   const features = ["--enable-simd", "--enable-bulk-memory", "--enable-nontrapping-float-to-int", "--enable-sign-ext",
     "--enable-mutable-globals", "--enable-reference-types", "--enable-multivalue"];
   run("node", [join(here, "node_modules/binaryen/bin/wasm-opt"), "-O3", ...features, whole, "-o", wasm]);
-  for (const file of ["index.html", "style.css"]) cpSync(join(here, "page", file), join(out, file));
-  // There only now.
-  const { build: bundle } = await import("esbuild");
-  const shared = { bundle: true, minify: true, target: "es2022", logLevel: "warning", outdir: out };
-  await bundle({ ...shared, entryPoints: [join(here, "page/main.js")], format: "esm" });
-  await bundle({ ...shared, entryPoints: [join(here, "page/worker.js")], format: "iife" });
-  writeFileSync(join(out, "LICENSE-three.txt"), readFileSync(join(here, "node_modules/three/LICENSE")));
-  for (const file of ["treesynth.wasm", "main.js"]) {
-    const bytes = readFileSync(join(out, file));
-    console.log(`${file}: ${(bytes.length / 1e6).toFixed(2)} MB, ${(gzipSync(bytes).length / 1e6).toFixed(2)} MB compressed`);
-  }
 }
 
 const TYPES = {
@@ -94,7 +100,7 @@ export function serve(port) {
 
 if (process.argv[1] === fileURLToPath(import.meta.url)) {
   const port = process.argv.indexOf("--port");
-  await build();
+  await build(process.argv.includes("--page"));
   if (!process.argv.includes("--build")) {
     const server = await serve(port > 0 ? Number(process.argv[port + 1]) : 8080);
     console.log(`http://localhost:${server.address().port}/`);

@@ -7,6 +7,13 @@ use std::f32::consts::{PI, TAU};
 const GOLDEN_ANGLE: f32 = 2.399_963_2;
 
 /// Phyllotaxis: how many leaves stand at one height of a twig, and by what angle the next ones are turned.
+///
+/// ```
+/// use treesynth::foliage::{Arrangement, Foliage, Leaf};
+///
+/// let maple = Foliage::new(Leaf::lobed()).with_arrangement(Arrangement::Decussate);
+/// assert_eq!(Arrangement::Whorled(3).per_whorl(), 3);
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(
     feature = "serde",

@@ -7,6 +7,14 @@ use crate::variational;
 use std::fmt;
 
 /// A system that grows trees.
+///
+/// ```
+/// use treesynth::presets::{self, System};
+///
+/// assert_eq!(presets::by_name("figure-07")?.system(), System::Guided);
+/// assert_eq!(presets::by_name("oak")?.system(), System::Species);
+/// # Ok::<(), presets::PresetError>(())
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum System {
@@ -35,6 +43,14 @@ impl fmt::Display for System {
 }
 
 /// A preset of any system.
+///
+/// ```
+/// use treesynth::presets::{self, Found};
+///
+/// let Found::Species(oak) = presets::by_name("oak")? else { panic!("a species") };
+/// assert_eq!(oak.latin, "Quercus robur");
+/// # Ok::<(), presets::PresetError>(())
+/// ```
 #[derive(Debug, Clone, Copy)]
 #[non_exhaustive]
 pub enum Found {

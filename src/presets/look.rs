@@ -7,6 +7,14 @@ use crate::surface::Material;
 use crate::texture::Bark;
 
 /// A time of the year.
+///
+/// ```
+/// use treesynth::presets::{self, Season};
+///
+/// let elm = presets::by_name("figure-07")?.guided()?;
+/// assert!(elm.foliage(Season::Summer).is_some() && elm.foliage(Season::Winter).is_none());
+/// # Ok::<(), presets::PresetError>(())
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 #[non_exhaustive]
 pub enum Season {

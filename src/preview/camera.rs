@@ -9,6 +9,13 @@ use glam::Vec3;
 use std::f32::consts::{FRAC_PI_2, PI};
 
 /// Projection.
+///
+/// ```
+/// use treesynth::preview::{Camera, Projection};
+///
+/// // An elevation, as an architect draws it.
+/// let camera = Camera::default().with_projection(Projection::Orthographic).with_elevation(0.0);
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(
     feature = "serde",

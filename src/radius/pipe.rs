@@ -32,6 +32,14 @@ pub struct PipeModel {
 }
 
 /// Known diameter, by which the proportions of the pipe model become metres.
+///
+/// ```
+/// use treesynth::radius::{Calibration, PipeModel};
+///
+/// // A trunk of 40 cm, whatever the number of tips.
+/// let model = PipeModel::default().with_trunk_diameter(0.4);
+/// assert_eq!(model.calibration(), Calibration::Trunk(0.4));
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(
     feature = "serde",

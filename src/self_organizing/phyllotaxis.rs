@@ -6,6 +6,13 @@ use glam::Vec3;
 use std::f32::consts::TAU;
 
 /// In which direction lateral buds point.
+///
+/// ```
+/// use treesynth::self_organizing::{Habit, Phyllotaxis};
+///
+/// let elm = Habit::default().with_phyllotaxis(Phyllotaxis::Spiral { divergence: std::f32::consts::PI });
+/// let ash = Habit::default().with_phyllotaxis(Phyllotaxis::Whorled { count: 2 });
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[non_exhaustive]

@@ -5,6 +5,13 @@ use super::tree::{BUD, Tree, is_node};
 use crate::ParameterError;
 
 /// Model by which vigor is shared among buds.
+///
+/// ```
+/// use treesynth::self_organizing::{Habit, VigorModel};
+///
+/// // A leader above all; at 0.46 it is soon lost.
+/// let spruce = Habit::default().with_vigor_model(VigorModel::BorchertHonda { apical_control: 0.55 });
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
 #[non_exhaustive]

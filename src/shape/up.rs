@@ -4,6 +4,13 @@ use crate::ParameterError;
 use glam::{DVec3, Vec3};
 
 /// The axis that points up in a model file. In this crate it is always +Y.
+///
+/// ```
+/// use treesynth::{export::Axes, shape::UpAxis};
+///
+/// // For Blender and printers, in millimetres.
+/// let axes = Axes::default().with_up(UpAxis::Z).with_unit(0.001);
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 #[cfg_attr(
     feature = "serde",

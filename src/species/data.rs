@@ -215,6 +215,13 @@ impl Default for Limbs {
 }
 
 /// Arrangement of laterals about their parent branch.
+///
+/// ```
+/// use treesynth::species::{Species, Stand};
+///
+/// let mut own = Species::default();
+/// own.shoots.stand = Stand::Decussate;
+/// ```
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize))]
 #[non_exhaustive]
@@ -335,6 +342,13 @@ impl Default for Shoots {
 }
 
 /// The outlines that leaves are drawn with.
+///
+/// ```
+/// use treesynth::species::{LeafShape, Species};
+///
+/// let mut own = Species::default();
+/// own.leaves.shape = LeafShape::Heart;
+/// ```
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize))]
 #[non_exhaustive]

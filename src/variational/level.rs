@@ -25,6 +25,13 @@ pub struct Level {
 }
 
 /// Number of branches at a node, and their rotation relative to those of the node before.
+///
+/// ```
+/// use treesynth::variational::{Level, Phyllotaxis};
+///
+/// // A maple: pairs of branches, each across the one before.
+/// let level = Level::default().with_phyllotaxis(Phyllotaxis::Decussate);
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(
     feature = "serde",

@@ -10,16 +10,25 @@ use bevy_material::AlphaMode;
 use bevy_mesh::{Mesh, Mesh3d};
 use bevy_pbr::{MeshMaterial3d, StandardMaterial};
 use bevy_transform::components::Transform;
+use std::fmt;
 use treesynth::asset::Asset;
 
 /// Share of a distance over which two levels are mixed.
 const FADE: f32 = 0.1;
 
 /// A tree whose meshes and materials are kept in a world's assets, to be spawned as often as wished.
-#[derive(Debug, Clone)]
+#[derive(Clone)]
 pub struct Kept {
     levels: Vec<Vec<(String, Handle<Mesh>, Handle<StandardMaterial>)>>,
     ranges: Vec<VisibilityRange>,
+}
+
+// `VisibilityRange` has no `Debug`.
+impl fmt::Debug for Kept {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let distances: Vec<_> = self.ranges.iter().map(|range| range.start_margin.start).collect();
+        f.debug_struct("Kept").field("levels", &self.levels).field("distances", &distances).finish()
+    }
 }
 
 /// The material of a piece. Bevy multiplies it by the colours of the vertices.

@@ -46,10 +46,14 @@ fn every_attribute_of_every_vertex_comes_over() {
                 panic!()
             };
             assert_eq!(*uvs, own.uvs.iter().map(|v| v.to_array()).collect::<Vec<_>>());
-            assert_eq!(
-                four(mesh, Mesh::ATTRIBUTE_TANGENT),
-                own.tangents.iter().map(|v| v.to_array()).collect::<Vec<_>>()
-            );
+            // Pieces without an image of normals have none.
+            assert_eq!(mesh.attribute(Mesh::ATTRIBUTE_TANGENT).is_some(), !own.tangents.is_empty());
+            if !own.tangents.is_empty() {
+                assert_eq!(
+                    four(mesh, Mesh::ATTRIBUTE_TANGENT),
+                    own.tangents.iter().map(|v| v.to_array()).collect::<Vec<_>>()
+                );
+            }
             assert_eq!(mesh.attribute(Mesh::ATTRIBUTE_COLOR).is_some(), !own.colors.is_empty());
             let indices: Vec<u32> = mesh.indices().unwrap().iter().map(|index| index as u32).collect();
             assert_eq!(indices, own.indices);
@@ -72,8 +76,9 @@ fn every_attribute_of_every_vertex_comes_over() {
 
 #[test]
 fn all_copies_stand_where_they_stood() {
-    let tree = species::by_name("hazel").unwrap().request().with_height(3.0).grow().unwrap();
-    let level = &tree.levels(Some(20_000), 128, &[1.0]).unwrap()[0];
+    let tree = species::by_name("hazel").unwrap().request().with_height(2.0).grow().unwrap();
+    // Without a budget each leaf is a copy; within one, copies are merged into few meshes.
+    let level = &tree.levels(None, 128, &[1.0]).unwrap()[0];
     let mut copied = 0;
     for (part, piece) in level.parts().iter().zip(pieces(level)) {
         assert_eq!(piece.places.len(), part.copies().len());

@@ -1,5 +1,10 @@
 // Controls made from the module's list, and the address that says what they are set to.
 
+// Sliders that can be played, in how many steps at most, with at least how many milliseconds from one to the next.
+const PLAYED = new Set(["age", "day"]);
+const STEPS = 90;
+const PAUSE = 60;
+
 const at = (id) => document.getElementById(id);
 
 function element(name, properties = {}, children = []) {
@@ -8,9 +13,17 @@ function element(name, properties = {}, children = []) {
   return made;
 }
 
+// What an entry of the list is called on the page.
+function title({ name, kind, about }) {
+  if (kind === "years") return name.replace(/^growth-(\d+-)?/, "").replaceAll("-", " ");
+  return kind === "preset" ? `${name}: ${about}` : name;
+}
+
 export class Controls {
   #list;
   #changed;
+  // The button of the slider that plays.
+  #playing = null;
   // By key: the entry of the list, its input, and its switch if it has one.
   #made = new Map();
 
@@ -18,8 +31,8 @@ export class Controls {
     this.#list = list;
     this.#changed = changed;
     const group = (kind, label) => element("optgroup", { label }, list.filter((entry) => entry.kind === kind)
-      .map((entry) => element("option", { value: entry.name, textContent: entry.name })));
-    at("tree").append(group("species", "Species"), group("preset", "Least-cost paths"));
+      .map((entry) => element("option", { value: entry.name, textContent: title(entry) })));
+    at("tree").append(group("species", "Species"), group("years", "Over the years"), group("preset", "Least-cost paths"));
     at("tree").addEventListener("change", () => {
       this.#make();
       changed(false);
@@ -29,13 +42,13 @@ export class Controls {
       at("seed").value = Math.floor(Math.random() * 1e6);
       changed(false);
     });
-    for (const id of ["budget", "wind"]) {
-      at(id).addEventListener("input", () => {
-        this.#tell();
-        changed(id === "budget");
-      });
-    }
-    at("textures").addEventListener("change", () => changed(false));
+    at("budget").addEventListener("input", () => this.#tell());
+    at("wind").addEventListener("input", () => {
+      this.#tell();
+      // Only the first breath needs another file.
+      changed(false);
+    });
+    for (const id of ["budget", "level", "textures"]) at(id).addEventListener("change", () => changed(false));
     this.#make();
   }
 
@@ -48,6 +61,7 @@ export class Controls {
   }
 
   #make() {
+    this.stop();
     const { about, latin, controls } = this.#tree;
     at("about").textContent = latin ? `${latin}. ${about}` : about;
     this.#made.clear();
@@ -88,10 +102,49 @@ export class Controls {
       this.#tell();
       this.#changed(true);
     });
-    row.append(name, output, input, element("small", { id: `${key}-about`, textContent: about }));
+    const told = element("span", { className: "value" }, [output]);
+    if (PLAYED.has(key)) {
+      const play = element("button", { type: "button", className: "play", textContent: "▶" });
+      play.ariaLabel = `Play ${label.toLowerCase()}`;
+      play.ariaPressed = "false";
+      play.addEventListener("click", () => this.#play(made, play));
+      told.append(play);
+    }
+    row.append(name, told, input, element("small", { id: `${key}-about`, textContent: about }));
     made.row = row;
     this.#made.set(key, made);
     return row;
+  }
+
+  // Moves a slider to its end, a step with each preview; again from the beginning if it is there.
+  async #play({ input, toggle }, button) {
+    if (this.#playing === button) {
+      this.stop();
+      return;
+    }
+    this.stop();
+    this.#playing = button;
+    button.ariaPressed = "true";
+    button.textContent = "■";
+    const { min, max, step } = Object.fromEntries(["min", "max", "step"].map((key) => [key, Number(input[key])]));
+    const pace = Math.max(step, Math.round((max - min) / STEPS / step) * step);
+    if (toggle) toggle.checked = true;
+    if (Number(input.value) > max - pace) input.value = min;
+    while (this.#playing === button && Number(input.value) + pace <= max) {
+      input.value = Number(input.value) + pace;
+      this.#tell();
+      const rested = new Promise((resolve) => setTimeout(resolve, PAUSE));
+      await Promise.all([this.#changed(true), rested]);
+    }
+    if (this.#playing === button) this.stop();
+  }
+
+  // Ends what plays.
+  stop() {
+    if (!this.#playing) return;
+    this.#playing.ariaPressed = "false";
+    this.#playing.textContent = "▶";
+    this.#playing = null;
   }
 
   // Writes the values beside the sliders.
@@ -120,6 +173,7 @@ export class Controls {
       budget: this.#budget(),
       textures: Number(at("textures").value),
       wind: this.wind > 0,
+      level: Number(at("level").value),
     };
     for (const [key, { control, input, toggle }] of this.#made) {
       if (toggle && !toggle.checked) continue;
@@ -130,8 +184,8 @@ export class Controls {
     return ask;
   }
 
-  // All that is set, as the address has it.
-  address() {
+  // All that is set, and from where the tree is seen, as the address has it.
+  address(camera) {
     const state = new URLSearchParams({ tree: at("tree").value, seed: at("seed").value });
     for (const [key, { control, input, toggle }] of this.#made) {
       const isDefault = !toggle && Number(input.value) === Number(control.value) && control.kind === "slider";
@@ -142,10 +196,13 @@ export class Controls {
     state.set("budget", at("budget").value);
     state.set("textures", at("textures").value);
     state.set("wind", at("wind").value);
+    state.set("level", at("level").value);
+    if (document.documentElement.dataset.theme) state.set("theme", document.documentElement.dataset.theme);
+    if (camera) state.set("view", camera.join(","));
     return state.toString();
   }
 
-  // Sets all that an address says; what it says wrongly stays as it is.
+  // Sets all that an address says; what it says wrongly stays as it is. Returns from where the tree is seen, if it says so.
   read(address) {
     const state = new URLSearchParams(address);
     const has = (select, value) => [...select.options].some((option) => option.value === value);
@@ -155,7 +212,8 @@ export class Controls {
       if (value !== null && value !== "" && Number.isFinite(Number(value))) input.value = value;
     };
     for (const id of ["seed", "budget", "wind"]) number(at(id), state.get(id));
-    if (has(at("textures"), state.get("textures"))) at("textures").value = state.get("textures");
+    for (const id of ["textures", "level"]) if (has(at(id), state.get(id))) at(id).value = state.get(id);
+    if (["dark", "light"].includes(state.get("theme"))) document.documentElement.dataset.theme = state.get("theme");
     for (const [key, { control, input, toggle }] of this.#made) {
       const value = state.get(key);
       if (control.kind === "slider") number(input, value);
@@ -163,5 +221,7 @@ export class Controls {
       if (toggle) toggle.checked = value !== null;
     }
     this.#tell();
+    const camera = (state.get("view") ?? "").split(",").map(Number);
+    return camera.length === 3 && camera.every(Number.isFinite) ? camera : null;
   }
 }

@@ -45,10 +45,15 @@ export class Grower {
     return this.#busy !== null;
   }
 
-  // Ends what is being done.
-  cancel() {
+  // What waits is not wanted any more.
+  forget() {
     this.#waiting?.resolve(null);
     this.#waiting = null;
+  }
+
+  // Ends what is being done.
+  cancel() {
+    this.forget();
     if (!this.#busy) return;
     this.#busy.resolve(null);
     this.#busy = null;

@@ -2,11 +2,17 @@
 
 import { Controls } from "./controls.js";
 import { Grower } from "./grower.js";
+import { Pace } from "./pace.js";
 import { View } from "./view.js";
+
+// Milliseconds without a move after which a slider rests.
+const REST = 400;
 
 const at = (id) => document.getElementById(id);
 
-const status = (text, isError = false) => {
+// A preview's words are seen but not read aloud: many may come in a second.
+const status = (text, isError = false, isQuiet = false) => {
+  at("status").ariaLive = isQuiet ? "off" : "polite";
   at("status").textContent = text;
   at("status").classList.toggle("error", isError);
 };
@@ -16,12 +22,19 @@ const theme = () => {
   return document.documentElement.dataset.theme ?? (dark ? "dark" : "light");
 };
 
+// A question for a preview of a tree.
+function sketched({ budget, textures, level, ...ask }, nodes) {
+  // A graph of more nodes would take longer than a hand moves.
+  return { ...ask, wind: false, preview: nodes, ...(ask.nodes && { nodes: Math.min(ask.nodes, 20_000) }) };
+}
+
 async function start() {
   const view = new View(at("canvas"));
   matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => view.paint());
   at("theme").addEventListener("click", () => {
     document.documentElement.dataset.theme = theme() === "dark" ? "light" : "dark";
     view.paint();
+    view.onTurn?.();
   });
 
   const module = await WebAssembly.compileStreaming(fetch("treesynth.wasm"));
@@ -38,62 +51,104 @@ async function start() {
   };
 
   let framed = "";
-  // Grows what the controls say, and shows it.
+  // The questions that the shown tree and preview answer: what does not change them is not grown again.
+  const shown = { whole: "", preview: "" };
+  // Nodes of previews: as many as are there in time.
+  const pace = new Pace();
+  // Grows what the controls say, and shows it; true if it is on the screen.
   const grow = async (isPreview) => {
     const ask = controls.ask();
-    // While a slider moves: coarse, and soon there. A graph of more nodes would take longer than a hand moves.
-    const coarse = { preview: true, wind: false, ...(ask.nodes && { nodes: Math.min(ask.nodes, 20_000) }) };
-    const wanted = isPreview ? { ...ask, ...coarse } : ask;
+    const wanted = isPreview ? sketched(ask, pace.nodes) : ask;
+    const kind = isPreview ? "preview" : "whole";
+    const question = JSON.stringify(wanted);
+    if (question === shown[kind] && (isPreview || view.isWhole)) {
+      grower.forget();
+      document.body.dataset.state = kind;
+      return true;
+    }
     const begin = performance.now();
     try {
       const asked = grower.grow(wanted);
       busy();
       const answer = await asked;
-      if (!answer) return;
+      if (!answer) return false;
+      const grown = performance.now();
       const frame = `${ask.tree} ${Math.ceil(Math.log2(answer.report.height) * 2)}`;
-      await view.show(answer.file, frame !== framed);
+      const read = await view[isPreview ? "sketch" : "show"](answer.file, frame !== framed);
       framed = frame;
+      shown[kind] = question;
+      const waited = performance.now() - begin;
+      if (isPreview) pace.took(waited, answer.report.nodes);
       const { name, height, width, dbh, leaves, triangles } = answer.report;
       const trunk = dbh ? `, trunk ${(dbh * 100).toFixed(0)} cm` : "";
-      const waited = Math.round(performance.now() - begin);
-      status(
-        `${name}: ${height.toFixed(1)} m tall, ${width.toFixed(1)} m wide${trunk}, ${leaves.toLocaleString("en")} leaves, `
-        + `${triangles.toLocaleString("en")} triangles, ${waited} ms`,
-      );
+      const text = `${name}: ${height.toFixed(1)} m tall, ${width.toFixed(1)} m wide${trunk}, ${leaves.toLocaleString("en")} leaves, `
+        + `${triangles.toLocaleString("en")} triangles, ${Math.round(waited)} ms`;
+      status(text, false, isPreview);
+      at("canvas").ariaLabel = `${text.replace(/, [^,]* ms$/, "")}. Arrow keys turn it, plus and minus zoom.`;
       Object.assign(document.body.dataset, {
-        state: isPreview ? "preview" : "whole",
-        milliseconds: waited,
+        milliseconds: Math.round(waited),
         grown: Math.round(answer.milliseconds),
-        tree: JSON.stringify(wanted),
+        times: JSON.stringify({
+          all: waited,
+          ...answer.times,
+          grown: answer.milliseconds,
+          message: grown - begin - answer.milliseconds,
+          read,
+          drawn: performance.now() - grown - read,
+          nodes: answer.report.nodes,
+          triangles,
+          kB: answer.report.bytes / 1000,
+        }),
+        tree: question,
+        state: kind,
       });
+      return true;
     } catch (error) {
       status(error.message, true);
       document.body.dataset.state = "error";
+      return false;
     } finally {
       busy();
     }
   };
 
   let rest = null;
+  let moved = 0;
+  const address = () => history.replaceState(null, "", `#${controls.address(view.camera)}`);
   const changed = (isMoving) => {
     view.wind = controls.wind;
-    history.replaceState(null, "", `#${controls.address()}`);
+    address();
     document.body.dataset.state = "growing";
     clearTimeout(rest);
-    if (isMoving) grow(true);
-    // What a preview shows is made whole once the slider rests.
-    rest = setTimeout(() => grow(false), isMoving ? 400 : 0);
+    moved += 1;
+    if (!isMoving) {
+      rest = setTimeout(() => grow(false));
+      return null;
+    }
+    // What a preview shows is made whole once the slider rests: not before it is there, or both would take longer.
+    const move = moved;
+    return grow(true).finally(() => {
+      if (move === moved) rest = setTimeout(() => grow(false), REST);
+    });
   };
   const controls = new Controls(await grower.list, changed);
-  controls.read(location.hash.slice(1));
+  view.onTurn = address;
+  const read = () => {
+    const camera = controls.read(location.hash.slice(1));
+    if (camera) view.camera = camera;
+    view.paint();
+  };
+  read();
   addEventListener("hashchange", () => {
-    if (location.hash.slice(1) !== controls.address()) {
-      controls.read(location.hash.slice(1));
+    if (location.hash.slice(1) !== controls.address(view.camera)) {
+      read();
       changed(false);
     }
   });
   at("cancel").addEventListener("click", () => {
     clearTimeout(rest);
+    moved += 1;
+    controls.stop();
     grower.cancel();
     at("work").hidden = true;
     status("Cancelled");
@@ -116,7 +171,8 @@ async function start() {
     const { format } = target.dataset;
     if (!format) return;
     const ask = controls.ask();
-    const name = `${ask.tree.replaceAll(" ", "-").toLowerCase()}-${ask.seed}.${format}`;
+    const ends = { levels: "levels.glb", obj: "zip", json: "skeleton.json", recipe: "recipe.json" };
+    const name = `${ask.tree.replaceAll(" ", "-").toLowerCase()}-${ask.seed}.${ends[format] ?? format}`;
     if (format === "png") {
       save(await view.picture(), name);
       return;

@@ -3,6 +3,7 @@
 import * as THREE from "three";
 import { OrbitControls } from "three/examples/jsm/controls/OrbitControls.js";
 import { GLTFLoader } from "three/examples/jsm/loaders/GLTFLoader.js";
+import { Pieces } from "./pieces.js";
 
 // As in docs/wind.md.
 const WIND = `
@@ -24,31 +25,54 @@ const WIND = `
   }
 `;
 
+// Pixels of a preview over those of the page, where the processor draws.
+const COARSE = 0.5;
+
+// Whether the processor draws, which takes seconds where a graphics card takes milliseconds.
+function isDrawnByProcessor() {
+  const context = document.createElement("canvas").getContext("webgl2", { failIfMajorPerformanceCaveat: true });
+  if (!context) return true;
+  const { UNMASKED_RENDERER_WEBGL } = context.getExtension("WEBGL_debug_renderer_info") ?? {};
+  const name = context.getParameter(UNMASKED_RENDERER_WEBGL ?? context.RENDERER);
+  context.getExtension("WEBGL_lose_context")?.loseContext();
+  return /swiftshader|llvmpipe|software|basic render/i.test(name);
+}
+
 export class View {
   #renderer;
+  #isSlow = isDrawnByProcessor();
   #scene = new THREE.Scene();
   #camera = new THREE.PerspectiveCamera(30, 1, 0.05, 2000);
   #controls;
   #sun = new THREE.DirectionalLight(0xfff3df, 2.6);
   #ground;
+  // The tree itself, which waits unseen while there is a preview of another.
   #tree = null;
+  #preview = null;
+  #pieces = new Pieces();
   #loader = new GLTFLoader();
   #wind = { time: { value: 0 }, gust: { value: new THREE.Vector3() } };
   #framed = null;
+  // The usual distance, and what an address wants to see the tree from.
+  #usual = 1;
+  #wanted = null;
   #drawn = false;
+  // Greatest extent of the tree, metres.
+  #reach = 1;
 
   constructor(canvas) {
     this.canvas = canvas;
-    this.#renderer = new THREE.WebGLRenderer({ canvas, antialias: true, preserveDrawingBuffer: true });
-    this.#renderer.setPixelRatio(Math.min(devicePixelRatio, 2));
+    this.#renderer = new THREE.WebGLRenderer({ canvas, antialias: !this.#isSlow });
     this.#renderer.shadowMap.enabled = true;
-    this.#renderer.shadowMap.type = THREE.PCFSoftShadowMap;
+    this.#renderer.shadowMap.type = THREE.PCFShadowMap;
+    // Shadows stay where they are while the tree turns.
+    this.#renderer.shadowMap.autoUpdate = false;
     this.#renderer.toneMapping = THREE.NeutralToneMapping;
     this.#renderer.toneMappingExposure = 1.1;
     this.#sun.castShadow = true;
     // Leaves let light through.
     this.#sun.shadow.intensity = 0.7;
-    this.#sun.shadow.mapSize.set(2048, 2048);
+    this.#sun.shadow.mapSize.setScalar(this.#isSlow ? 1024 : 2048);
     this.#ground = new THREE.Mesh(
       new THREE.CircleGeometry(1, 96).rotateX(-Math.PI / 2),
       new THREE.MeshStandardMaterial({ color: 0x8f9a74, roughness: 1 }),
@@ -58,6 +82,7 @@ export class View {
     this.#controls = new OrbitControls(this.#camera, canvas);
     this.#controls.maxPolarAngle = Math.PI * 0.5;
     this.#controls.addEventListener("change", () => this.redraw());
+    this.#controls.addEventListener("end", () => this.onTurn?.());
     canvas.addEventListener("keydown", (event) => this.#key(event));
     new ResizeObserver(() => this.#resize()).observe(canvas.parentElement);
     this.paint();
@@ -65,10 +90,14 @@ export class View {
     const frame = (time) => {
       if (this.#wind.gust.value.length() > 0) {
         this.#wind.time.value = (time / 1000) % 8;
+        this.#renderer.shadowMap.needsUpdate = true;
         this.redraw();
       }
       if (this.#drawn) {
         this.#drawn = false;
+        const away = this.#camera.position.distanceTo(this.#controls.target);
+        this.#scene.fog.near = away + this.#reach;
+        this.#scene.fog.far = away + 3 * this.#reach;
         this.#renderer.render(this.#scene, this.#camera);
       }
       requestAnimationFrame(frame);
@@ -86,7 +115,9 @@ export class View {
     this.#scene.background = new THREE.Color(sky);
     const isDark = this.#scene.background.getHSL({}).l < 0.4;
     this.#ground.material.color.set(isDark ? 0x4b5340 : 0x8f9a74);
-    this.#scene.fog = null;
+    // The ground ends in the sky's colour, wherever its edge is.
+    this.#scene.fog ??= new THREE.Fog(sky);
+    this.#scene.fog.color.set(sky);
     this.redraw();
   }
 
@@ -95,8 +126,10 @@ export class View {
     this.redraw();
   }
 
-  // Puts the tree of a file where the last one was. `frame` looks at all of it.
+  // Puts the tree of a file where the last one was, and resolves once it is drawn to the milliseconds that reading took. `frame` looks
+  // at all of it.
   async show(file, frame) {
+    const begin = performance.now();
     const { scene } = await this.#loader.parseAsync(file.buffer, "");
     scene.traverse((node) => {
       if (!node.isMesh) return;
@@ -105,20 +138,46 @@ export class View {
       // The wind moves vertices out of the box.
       node.frustumCulled = false;
       const { material } = node;
-      // Blended leaves would need an order; masked ones do not.
-      if (material.map) material.map.anisotropy = 4;
+      if (material.map) material.map.anisotropy = this.#isSlow ? 1 : 4;
       const attributes = node.geometry.attributes;
       if (attributes._wind_trunk) this.#sway(node);
     });
-    const old = this.#tree;
+    const last = [this.#tree, this.#preview];
     this.#tree = scene;
-    this.#scene.add(scene);
-    if (old) this.#drop(old);
-    const box = new THREE.Box3().setFromObject(scene);
+    this.#preview = null;
+    const read = await this.#put(scene, last, frame, begin);
+    // Only now, so that its shaders serve the new tree too.
+    last.forEach((tree) => tree && this.#drop(tree));
+    return read;
+  }
+
+  // As `show`, for the meshes of a preview.
+  async sketch(bytes, frame) {
+    const begin = performance.now();
+    const group = this.#pieces.read(bytes);
+    group.traverse((node) => {
+      node.castShadow = !this.#isSlow;
+      node.receiveShadow = !this.#isSlow;
+    });
+    const last = this.#preview;
+    this.#preview = group;
+    const read = await this.#put(group, [this.#tree, last], frame, begin);
+    if (last) this.#dropMeshes(last);
+    return read;
+  }
+
+  async #put(tree, last, frame, begin) {
+    for (const other of last) if (other) other.visible = false;
+    this.#scene.add(tree);
+    const box = new THREE.Box3().setFromObject(tree);
     if (frame || !this.#framed) this.#frame(box);
     this.#light(box);
+    this.#resize();
+    this.#renderer.shadowMap.needsUpdate = true;
     this.redraw();
+    const read = performance.now() - begin;
     await new Promise((resolve) => requestAnimationFrame(() => requestAnimationFrame(resolve)));
+    return read;
   }
 
   #sway(node) {
@@ -136,10 +195,24 @@ export class View {
     bend(node.customDepthMaterial);
   }
 
-  #drop(tree) {
+  // Whether the tree itself is shown, not a preview.
+  get isWhole() {
+    return this.#tree !== null && this.#preview === null;
+  }
+
+  #dropMeshes(tree) {
     this.#scene.remove(tree);
     tree.traverse((node) => {
       node.geometry?.dispose();
+      if (node.isInstancedMesh) node.dispose();
+    });
+  }
+
+  #drop(tree) {
+    const isPreview = tree.isGroup && tree.children.every((node) => this.#pieces.has(node.material));
+    this.#dropMeshes(tree);
+    if (isPreview) return;
+    tree.traverse((node) => {
       const { material } = node;
       for (const image of [material?.map, material?.normalMap, material?.roughnessMap, material?.aoMap]) image?.dispose();
       material?.dispose();
@@ -153,6 +226,7 @@ export class View {
     const radius = Math.max(size.y, size.x, size.z) * 0.66;
     const aspect = Math.min(1, this.#camera.aspect);
     const away = radius / Math.sin((this.#camera.fov * Math.PI) / 360) / aspect;
+    // Another tree is seen from the same side.
     const towards = this.#framed
       ? this.#camera.position.clone().sub(this.#controls.target).normalize()
       : new THREE.Vector3(0.35, 0.16, 1).normalize();
@@ -164,6 +238,8 @@ export class View {
     this.#camera.updateProjectionMatrix();
     this.#controls.minDistance = away * 0.05;
     this.#controls.maxDistance = away * 6;
+    this.#usual = away;
+    if (this.#wanted) this.#look();
     this.#controls.update();
   }
 
@@ -171,6 +247,7 @@ export class View {
   #light(box) {
     const size = box.getSize(new THREE.Vector3());
     const reach = Math.max(size.y, size.x, size.z, 0.5);
+    this.#reach = reach;
     this.#sun.target.position.set(0, size.y * 0.4, 0);
     this.#sun.position.copy(this.#sun.target.position).add(new THREE.Vector3(-0.5, 1, 0.75).multiplyScalar(reach * 1.5));
     const shadow = this.#sun.shadow.camera;
@@ -181,6 +258,29 @@ export class View {
     shadow.updateProjectionMatrix();
     this.#sun.shadow.normalBias = reach * 0.002;
     this.#ground.scale.setScalar(reach * 3);
+  }
+
+  // Where the tree is seen from, for the address: azimuth and elevation in degrees, distance over the usual one; null before there is one.
+  get camera() {
+    if (this.#wanted || !this.#framed) return this.#wanted;
+    const around = new THREE.Spherical().setFromVector3(this.#camera.position.clone().sub(this.#controls.target));
+    const degrees = (radians) => Math.round(THREE.MathUtils.radToDeg(radians));
+    return [degrees(around.theta), 90 - degrees(around.phi), Number((around.radius / this.#usual).toFixed(2))];
+  }
+
+  // Holds once a tree is shown.
+  set camera([azimuth, elevation, distance]) {
+    this.#wanted = [azimuth, Math.min(Math.max(elevation, 0), 89), Math.min(Math.max(distance, 0.05), 6)];
+    if (this.#framed) this.#look();
+  }
+
+  #look() {
+    const [azimuth, elevation, distance] = this.#wanted;
+    this.#wanted = null;
+    const [theta, phi] = [azimuth, 90 - elevation].map(THREE.MathUtils.degToRad);
+    const offset = new THREE.Vector3().setFromSphericalCoords(this.#usual * distance, phi, theta);
+    this.#camera.position.copy(this.#controls.target).add(offset);
+    this.#controls.update();
   }
 
   #key(event) {
@@ -198,12 +298,19 @@ export class View {
     }
     this.#camera.position.copy(this.#controls.target).add(offset.setFromSpherical(around));
     this.#controls.update();
+    this.onTurn?.();
   }
 
   #resize() {
     const { clientWidth: width, clientHeight: height } = this.canvas.parentElement;
     if (!width || !height) return;
-    this.#renderer.setSize(width, height, false);
+    // The processor draws previews coarsely and without shadows.
+    const isCoarse = this.#isSlow && this.#preview !== null;
+    const ratio = isCoarse ? COARSE : Math.min(devicePixelRatio, this.#isSlow ? 1 : 2);
+    this.#sun.castShadow = !isCoarse;
+    if (this.#renderer.getPixelRatio() !== ratio) this.#renderer.setPixelRatio(ratio);
+    const size = this.#renderer.getSize(new THREE.Vector2());
+    if (size.x !== width || size.y !== height) this.#renderer.setSize(width, height, false);
     this.#camera.aspect = width / height;
     this.#camera.updateProjectionMatrix();
     this.redraw();

@@ -5,9 +5,12 @@
 //! `native` calls too, so that a test can compare the bytes.
 
 mod ask;
+mod file;
 mod list;
 #[cfg(target_arch = "wasm32")]
 mod module;
+mod preview;
+mod tree;
 
 pub use ask::{Answer, Ask, Progress, answer};
 pub use list::list;

@@ -31,7 +31,21 @@ pub fn list() -> Value {
             ],
         })
     });
-    Value::Array(species.chain(presets).collect())
+    let years = presets::grown().filter(|preset| !preset.planar).map(|preset| {
+        let oldest = preset.architecture().map_or(20.0, |architecture| f32::from(architecture.years()));
+        json!({
+            "name": preset.name,
+            "latin": "",
+            "about": preset.caption,
+            "kind": "years",
+            "seed": preset.seed,
+            "controls": [
+                slider("age", "Age", "years", 0.6, oldest, 0.1, (0.5 * oldest).floor() + 0.6,
+                    "One tree as it grows. Fractions are the time of the year: .0 is midwinter, .6 summer."),
+            ],
+        })
+    });
+    Value::Array(species.chain(presets).chain(years).collect())
 }
 
 fn controls(species: &Species) -> Value {

@@ -6,6 +6,13 @@ use crate::surface::Material;
 use glam::Vec3;
 
 /// Form of a mesh with many copies in a glTF file.
+///
+/// ```
+/// use treesynth::export::{GlbOptions, Instancing};
+///
+/// // A small file for three.js: each leaf's triangles once.
+/// let options = GlbOptions::default().with_instancing(Instancing::Extension);
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 #[cfg_attr(
     feature = "serde",
@@ -32,6 +39,13 @@ pub enum Instancing {
 /// Form of the levels of [`write_glb_levels`](super::write_glb_levels) in a glTF file.
 ///
 /// To get one file per level, write each level by [`write_glb_parts`](super::write_glb_parts).
+///
+/// ```
+/// use treesynth::export::{GlbOptions, LevelNodes};
+///
+/// // For Unity, Unreal and Godot: oak_LOD0, oak_LOD1 and so on.
+/// let options = GlbOptions::default().with_name("oak").with_levels(LevelNodes::Named);
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 #[cfg_attr(
     feature = "serde",

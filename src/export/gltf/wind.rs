@@ -4,6 +4,13 @@ use crate::surface::{Mesh, Wind};
 use glam::Vec3;
 
 /// Encoding of the vertices' [`Wind`] in a glTF file.
+///
+/// ```
+/// use treesynth::export::{GlbOptions, WindEncoding};
+///
+/// // For engines that drop attributes they do not know.
+/// let options = GlbOptions::default().with_wind(WindEncoding::TexCoords);
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 #[cfg_attr(
     feature = "serde",

@@ -106,6 +106,13 @@ pub enum EndpointError {
 }
 
 /// Number of endpoints (section 3.2.4).
+///
+/// ```
+/// use treesynth::guided::{Count, HopSurface};
+///
+/// // On a coarse graph there may be fewer candidates than 5,000.
+/// let endpoints = HopSurface::new(2, Count::UpTo(5_000));
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(
     feature = "serde",

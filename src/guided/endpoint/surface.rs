@@ -63,6 +63,13 @@ struct Distance {
 }
 
 /// On which side of the source of its path an endpoint may be.
+///
+/// ```
+/// use treesynth::guided::{HopSurface, Side};
+///
+/// // Twigs that hang.
+/// let endpoints = HopSurface::new(4, 300).only(Side::Lower);
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[cfg_attr(
     feature = "serde",

@@ -8,6 +8,12 @@ use glam::Vec3;
 use std::f32::consts::{PI, TAU};
 
 /// The axis of an incremental rotation. The paper says both.
+///
+/// ```
+/// use treesynth::guided::{Bend, BendAxis};
+///
+/// let rule = Bend::constant(0.1).with_axis(BendAxis::UpCrossVector);
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 #[cfg_attr(
     feature = "serde",

@@ -29,6 +29,13 @@ use scaly::Scales;
 use shed::{Plane, Ribbons};
 
 /// Behaviour of a bark as the wood under it grows.
+///
+/// ```
+/// use treesynth::texture::{Bark, BarkKind};
+///
+/// let larch = Bark::of_kind(BarkKind::Plated).with_color([112, 84, 70]).with_resolution(64).bake()?;
+/// # Ok::<(), treesynth::texture::TextureError>(())
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
 #[cfg_attr(
     feature = "serde",

@@ -19,6 +19,14 @@ use crate::ParameterError;
 use crate::shape::{UpAxis, check_numbers};
 
 /// A kind of model file.
+///
+/// ```
+/// use std::path::Path;
+/// use treesynth::shape::MeshFormat;
+///
+/// assert_eq!(MeshFormat::of(Path::new("bunny.OBJ")), Some(MeshFormat::Obj));
+/// assert_eq!(MeshFormat::of(Path::new("bunny.txt")), None);
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum MeshFormat {
