@@ -11,6 +11,18 @@ use treesynth::export::{self, Axes, GlbOptions, LevelNodes, PlyFormat, UsdStage}
 use treesynth::preview::{Camera, Preview};
 use treesynth::surface::Part;
 
+/// Quality of JPEG images.
+const JPEG: u8 = 85;
+
+/// The quality of a model's images without alpha, as GLB files take it.
+pub(crate) fn jpeg(images: &str) -> PyResult<Option<u8>> {
+    match images {
+        "jpeg" => Ok(Some(JPEG)),
+        "png" => Ok(None),
+        _ => Err(refused(format!("images is {images:?}, but must be \"jpeg\" or \"png\""))),
+    }
+}
+
 /// The files that a model is written to.
 const ENDINGS: &str = ".glb, .obj, .ply, .stl, .usdz, .usda or .png";
 
@@ -57,7 +69,7 @@ impl Asset {
         self.height
     }
 
-    #[pyo3(signature = (path, *, up = "y", unit = 1.0, quantize = false, lod_names = false))]
+    #[pyo3(signature = (path, *, up = "y", unit = 1.0, quantize = false, lod_names = false, images = "png"))]
     pub(crate) fn save(
         &self,
         py: Python<'_>,
@@ -66,8 +78,10 @@ impl Asset {
         unit: f32,
         quantize: bool,
         lod_names: bool,
+        images: &str,
     ) -> PyResult<()> {
         Self::check(&path)?;
+        let jpeg = jpeg(images)?;
         let axes = Axes::default().with_up(file::up_axis(up)?).with_unit(unit);
         let name = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
         watch::run(py, None, |_| {
@@ -87,6 +101,7 @@ impl Asset {
                         .with_name(name)
                         .with_levels(nodes)
                         .with_quantization(quantize)
+                        .with_jpeg(jpeg)
                         .with_coverages(asset::Asset::screen_coverages(&self.levels, self.height));
                     file::write(&path, |file| {
                         export::write_glb_levels(&levels, &options, file).map_err(failure)

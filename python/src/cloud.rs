@@ -11,7 +11,7 @@ use pyo3::prelude::*;
 use std::path::PathBuf;
 use treesynth::cloud::{self, PlyEncoding};
 use treesynth::glam::Vec3;
-use treesynth::reconstruct::{Reconstruct, Reconstruction as Made};
+use treesynth::reconstruct::{PointKind, Reconstruct, Reconstruction as Made, Twigs};
 use treesynth::scan::{Scanner, Truth};
 
 /// Points with what was taken off their coordinates.
@@ -155,6 +155,17 @@ pub(crate) struct Reconstruction {
     made: Made,
 }
 
+impl Reconstruction {
+    fn of(py: Python<'_>, made: Made) -> PyResult<Self> {
+        Ok(Self { skeleton: Py::new(py, Skeleton::from(made.skeleton.clone()))?, made })
+    }
+}
+
+/// For each point whether it was taken for this.
+fn kind<'py>(py: Python<'py>, kinds: &[PointKind], wanted: PointKind) -> Bound<'py, PyArray1<bool>> {
+    kinds.iter().map(|&kind| kind == wanted).collect::<Vec<_>>().into_pyarray(py)
+}
+
 #[pymethods]
 impl Reconstruction {
     #[getter]
@@ -173,14 +184,98 @@ impl Reconstruction {
     }
 
     #[getter]
+    fn is_wood<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<bool>> {
+        kind(py, &self.made.kinds, PointKind::Wood)
+    }
+
+    #[getter]
+    fn is_leaf<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<bool>> {
+        kind(py, &self.made.kinds, PointKind::Leaf)
+    }
+
+    #[getter]
     fn ground(&self) -> usize {
         self.made.ground
     }
+
+    #[pyo3(signature = (*, spacing = 0.08, reach = 6, thickest = 0.02, tip_radius = 0.0015, seed = 1))]
+    fn completed(
+        &self,
+        py: Python<'_>,
+        spacing: f32,
+        reach: u32,
+        thickest: f32,
+        tip_radius: f32,
+        seed: u64,
+    ) -> PyResult<(Skeleton, usize)> {
+        let twigs = Twigs::default().with_spacing(spacing).with_reach(reach);
+        let twigs = twigs.with_thickest(thickest).with_tip_radius(tip_radius);
+        let whole = watch::run(py, None, |_| self.made.completed(&twigs, seed).map_err(failure))?;
+        Ok((whole.skeleton.into(), whole.measured))
+    }
+}
+
+/// The trees of a cloud.
+#[pyclass(frozen, module = "treesynth")]
+pub(crate) struct ReconstructedStand {
+    trees: Vec<Py<Reconstruction>>,
+    owners: Vec<i64>,
+    kinds: Vec<PointKind>,
+}
+
+#[pymethods]
+impl ReconstructedStand {
+    #[getter]
+    fn trees(&self, py: Python<'_>) -> Vec<Py<Reconstruction>> {
+        self.trees.iter().map(|tree| tree.clone_ref(py)).collect()
+    }
+
+    #[getter]
+    fn owners<'py>(this: &Bound<'py, Self>) -> Bound<'py, PyArray1<i64>> {
+        column(this.as_any(), &this.get().owners)
+    }
+
+    #[getter]
+    fn is_wood<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<bool>> {
+        kind(py, &self.kinds, PointKind::Wood)
+    }
+
+    #[getter]
+    fn is_leaf<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<bool>> {
+        kind(py, &self.kinds, PointKind::Leaf)
+    }
+
+    #[getter]
+    fn is_ground<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<bool>> {
+        kind(py, &self.kinds, PointKind::Ground)
+    }
+
+    fn __len__(&self) -> usize {
+        self.trees.len()
+    }
+
+    fn __repr__(&self) -> String {
+        format!("<treesynth.ReconstructedStand of {} trees>", self.trees.len())
+    }
+}
+
+/// The options that one tree and a stand share.
+fn options(
+    side: Option<f32>,
+    gap: f32,
+    tip_radius: f32,
+    ground: bool,
+    set_leaves_aside: bool,
+) -> Reconstruct {
+    let how = Reconstruct::default().with_gap(gap).with_tip_radius(tip_radius).with_ground(ground);
+    let how = how.with_leaves_set_aside(set_leaves_aside);
+    side.map_or(how, |side| how.with_side(side))
 }
 
 /// The skeleton and radii of the tree whose points these are.
 #[pyfunction]
-#[pyo3(signature = (cloud, *, base = None, side = None, gap = 0.5, tip_radius = 0.0015, ground = true))]
+#[pyo3(signature = (cloud, *, base = None, side = None, gap = 0.5, tip_radius = 0.0015, ground = true,
+    set_leaves_aside = false))]
 pub(crate) fn reconstruct(
     py: Python<'_>,
     cloud: &Cloud,
@@ -189,14 +284,43 @@ pub(crate) fn reconstruct(
     gap: f32,
     tip_radius: f32,
     ground: bool,
+    set_leaves_aside: bool,
 ) -> PyResult<Reconstruction> {
-    let mut how = Reconstruct::default().with_gap(gap).with_tip_radius(tip_radius).with_ground(ground);
+    let mut how = options(side, gap, tip_radius, ground, set_leaves_aside);
     if let Some(base) = base {
         how = how.with_base(Vec3::from(base));
     }
-    if let Some(side) = side {
-        how = how.with_side(side);
-    }
     let made = watch::run(py, None, |_| how.reconstruct(&cloud.cloud).map_err(failure))?;
-    Ok(Reconstruction { skeleton: Py::new(py, Skeleton::from(made.skeleton.clone()))?, made })
+    Reconstruction::of(py, made)
+}
+
+/// All trees of a cloud, one for each trunk, or for each of `bases`.
+#[pyfunction]
+#[pyo3(signature = (cloud, *, bases = None, side = None, gap = 0.5, tip_radius = 0.0015, ground = true,
+    set_leaves_aside = false))]
+pub(crate) fn reconstruct_stand(
+    py: Python<'_>,
+    cloud: &Cloud,
+    bases: Option<Points<'_>>,
+    side: Option<f32>,
+    gap: f32,
+    tip_radius: f32,
+    ground: bool,
+    set_leaves_aside: bool,
+) -> PyResult<ReconstructedStand> {
+    let how = options(side, gap, tip_radius, ground, set_leaves_aside);
+    let bases = bases.map(|bases| vectors("bases", &bases)).transpose()?;
+    let stand = watch::run(py, None, |_| {
+        match &bases {
+            Some(bases) => how.reconstruct_stand_at(&cloud.cloud, bases),
+            None => how.reconstruct_stand(&cloud.cloud),
+        }
+        .map_err(failure)
+    })?;
+    let tree = |made| Py::new(py, Reconstruction::of(py, made)?);
+    Ok(ReconstructedStand {
+        trees: stand.trees.into_iter().map(tree).collect::<PyResult<_>>()?,
+        owners: stand.owners.iter().map(|owner| owner.map_or(-1, i64::from)).collect(),
+        kinds: stand.kinds,
+    })
 }

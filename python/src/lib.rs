@@ -3,6 +3,7 @@
 mod array;
 mod asset;
 mod cloud;
+mod example;
 mod failure;
 mod file;
 mod forest;
@@ -32,10 +33,13 @@ fn _treesynth(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_class::<cloud::Cloud>()?;
     module.add_class::<cloud::Scan>()?;
     module.add_class::<cloud::Reconstruction>()?;
+    module.add_class::<cloud::ReconstructedStand>()?;
+    module.add_class::<example::Example>()?;
     module.add_function(wrap_pyfunction!(tree::grow, module)?)?;
     module.add_function(wrap_pyfunction!(tree::fill, module)?)?;
     module.add_function(wrap_pyfunction!(tree::names, module)?)?;
     module.add_function(wrap_pyfunction!(file::read_trees, module)?)?;
     module.add_function(wrap_pyfunction!(cloud::scan, module)?)?;
-    module.add_function(wrap_pyfunction!(cloud::reconstruct, module)?)
+    module.add_function(wrap_pyfunction!(cloud::reconstruct, module)?)?;
+    module.add_function(wrap_pyfunction!(cloud::reconstruct_stand, module)?)
 }

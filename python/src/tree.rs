@@ -1,6 +1,6 @@
 //! One tree with its leaves and bark, of any system.
 
-use crate::asset::Asset;
+use crate::asset::{self, Asset};
 use crate::failure::{failure, refused};
 use crate::file;
 use crate::mesh::Leaves;
@@ -195,8 +195,8 @@ impl Tree {
     /// As `asset` and `Asset.save`, in one call.
     #[pyo3(
         signature = (path, triangles = Some(20_000), *, textures = Some(512), levels = 1, wind = false, up = "y", unit = 1.0,
-            progress = None),
-        text_signature = "($self, path, triangles=20000, *, textures=512, levels=1, wind=False, up='y', unit=1.0, progress=None)"
+            images = "png", progress = None),
+        text_signature = "($self, path, triangles=20000, *, textures=512, levels=1, wind=False, up='y', unit=1.0, images='png', progress=None)"
     )]
     fn save(
         &self,
@@ -208,10 +208,14 @@ impl Tree {
         wind: bool,
         up: &str,
         unit: f32,
+        images: &str,
         progress: Option<Py<PyAny>>,
     ) -> PyResult<()> {
         Asset::check(&path)?;
-        self.asset(py, triangles, textures, levels, wind, progress)?.save(py, path, up, unit, false, false)
+        // Before the work.
+        asset::jpeg(images)?;
+        let asset = self.asset(py, triangles, textures, levels, wind, progress)?;
+        asset.save(py, path, up, unit, false, false, images)
     }
 
     fn __repr__(&self) -> String {

@@ -66,3 +66,47 @@ def test_clouds_of_arrays():
     for few in [points[:0], points[:1], np.zeros((50, 3))]:
         with pytest.raises(treesynth.TreesynthError):
             treesynth.reconstruct(treesynth.Cloud(few))
+
+
+def test_leaves_are_set_aside_and_twigs_made_up():
+    tree = treesynth.grow("ash", height=4, seed=2, day=200)
+    scan = treesynth.scan(tree, distance=5, step=0.002)
+    made = treesynth.reconstruct(scan.cloud, set_leaves_aside=True)
+    assert len(made.is_wood) == len(made.is_leaf) == len(scan.cloud)
+    assert not (made.is_wood & made.is_leaf).any()
+    right = (made.is_wood[scan.is_wood].mean() + made.is_leaf[~scan.is_wood].mean()) / 2
+    assert right > 0.7
+    plain = treesynth.reconstruct(scan.cloud)
+    assert not plain.is_leaf.any()
+    whole, measured = plain.completed(seed=3)
+    assert measured == len(plain.skeleton) < len(whole)
+    assert np.array_equal(whole.positions[:measured], plain.skeleton.positions)
+    assert np.array_equal(whole.radii[:measured], plain.skeleton.radii)
+    with pytest.raises(treesynth.TreesynthError, match="thickest"):
+        plain.completed(thickest=0)
+
+
+def test_a_stand_is_made_again(tree):
+    points = treesynth.scan(tree, distance=8, step=0.002).cloud.points
+    both = np.concatenate([points, points + [6, 0, 0]])
+    cloud = treesynth.Cloud(both, up="y")
+    stand = treesynth.reconstruct_stand(cloud)
+    assert len(stand) == len(stand.trees) == 2 and len(stand.owners) == len(both)
+    assert set(np.unique(stand.owners)) <= {-1, 0, 1} and stand.is_wood.mean() > 0.8
+    for one in stand.trees:
+        assert one.skeleton.diameter_at(1.3) == pytest.approx(tree.skeleton.diameter_at(1.3), abs=0.01)
+    told = treesynth.reconstruct_stand(cloud, bases=[[0, 0, 0], [6, 0, 0]])
+    assert len(told) == 2
+    with pytest.raises(treesynth.TreesynthError, match="bases"):
+        treesynth.reconstruct_stand(cloud, bases=[[0, 0, 0], [0, 0, 0]])
+
+
+def test_more_trees_of_a_kind(tree):
+    example = treesynth.Example(tree.skeleton)
+    assert example.trunk["diameter"] > 0 and example.orders[1]["count"] > 3
+    one, other = example.grow(4_000, seed=1), example.grow(4_000, seed=2)
+    assert one != other and example.grow(4_000, seed=1) == one
+    tuned = example.tuned(4_000, trials=2).grow(4_000, seed=1)
+    assert tuned.metrics()["height"] == pytest.approx(6, rel=0.3)
+    with pytest.raises(treesynth.TreesynthError, match="branches"):
+        treesynth.Example(treesynth.Skeleton([[0, 0, 0], [0, 1, 0]], [-1, 0]))

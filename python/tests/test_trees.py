@@ -193,3 +193,26 @@ def test_refused_files_leave_nothing(tmp_path, birch):
     with pytest.raises(treesynth.TreesynthError, match="textures is 100, but must be"):
         birch.save(tmp_path / "tree.obj", 3_000, textures=100)
     assert not list(tmp_path.iterdir())
+
+
+def test_images_are_jpeg_or_png(tmp_path, birch):
+    sizes = {}
+    for images in ["jpeg", "png"]:
+        path = tmp_path / f"{images}.glb"
+        birch.save(path, 4_000, textures=256, images=images)
+        data = path.read_bytes()
+        sizes[images] = len(data)
+        assert (b"image/jpeg" in data) == (images == "jpeg") and b"image/png" in data
+    assert sizes["jpeg"] < sizes["png"]
+    with pytest.raises(treesynth.TreesynthError, match="images"):
+        birch.save(tmp_path / "bad.glb", 4_000, textures=128, images="gif")
+
+
+def test_dead_and_broken_trees(birch):
+    dead = treesynth.grow("silver birch", height=4, seed=3, years_dead=8)
+    assert not dead.leaves and dead.numbers["dead"] == 8
+    broken = treesynth.grow("silver birch", height=4, seed=3, storm_damage=0.5)
+    assert len(broken.skeleton) < len(birch.skeleton)
+    dead.asset(2_000, textures=None)
+    with pytest.raises(treesynth.TreesynthError, match="storm|damage"):
+        treesynth.grow("silver birch", storm_damage=2)

@@ -13,11 +13,13 @@ seed gives the same bits on every platform.
 from ._treesynth import (
     Asset,
     Cloud,
+    Example,
     Forest,
     Growth,
     Leaves,
     Mesh,
     Recipe,
+    ReconstructedStand,
     Reconstruction,
     Scan,
     Skeleton,
@@ -30,17 +32,20 @@ from ._treesynth import (
     names,
     read_trees,
     reconstruct,
+    reconstruct_stand,
     scan,
 )
 
 __all__ = [
     "Asset",
     "Cloud",
+    "Example",
     "Forest",
     "Growth",
     "Leaves",
     "Mesh",
     "Recipe",
+    "ReconstructedStand",
     "Reconstruction",
     "Scan",
     "Skeleton",
@@ -53,5 +58,6 @@ __all__ = [
     "names",
     "read_trees",
     "reconstruct",
+    "reconstruct_stand",
     "scan",
 ]

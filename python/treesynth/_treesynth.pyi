@@ -15,6 +15,7 @@ Path = str | PathLike[str]
 Progress = Callable[[str, float], object]
 Point = Sequence[float]
 Up = Literal["y", "z"]
+Images = Literal["jpeg", "png"]
 System = Literal["species", "guided", "self-organizing", "variational", "growth"]
 
 __version__: str
@@ -175,6 +176,7 @@ class Tree:
         wind: bool = False,
         up: Up = "y",
         unit: float = 1.0,
+        images: Images = "png",
         progress: Progress | None = None,
     ) -> None:
         """`asset` and `Asset.save` in one call."""
@@ -195,11 +197,19 @@ class Asset:
         """Height of the tree, metres."""
 
     def save(
-        self, path: Path, *, up: Up = "y", unit: float = 1.0, quantize: bool = False, lod_names: bool = False
+        self,
+        path: Path,
+        *,
+        up: Up = "y",
+        unit: float = 1.0,
+        quantize: bool = False,
+        lod_names: bool = False,
+        images: Images = "png",
     ) -> None:
         """To .glb (all levels, images inside), .usdz, .usda (all levels), or the finest level to .obj, .ply, .stl, or its picture
         to .png. A file appears whole or not at all. glTF is +Y up and metres always. `quantize` makes smaller GLB files;
-        `lod_names` names levels NAME_LOD0, NAME_LOD1, ... for Godot, Unity and Unreal."""
+        `lod_names` names levels NAME_LOD0, NAME_LOD1, ... for Godot, Unity and Unreal. With `images="jpeg"` images without alpha in
+        GLB files are JPEG of quality 85, a fraction of the bytes; those with alpha stay PNG."""
 
     def picture(
         self,
@@ -361,8 +371,69 @@ class Reconstruction:
         """True for nodes with a measured cylinder, ``(n,)``: a view. Other radii follow from what the limb bears."""
 
     @property
+    def is_wood(self) -> NDArray[np.bool_]:
+        """True for the points of the cloud that the tree is made of, ``(n,)``; empty for a tree of a stand, which has this itself."""
+
+    @property
+    def is_leaf(self) -> NDArray[np.bool_]:
+        """True for points set aside as leaves, ``(n,)``; empty for a tree of a stand."""
+
+    @property
     def ground(self) -> int:
         """Points set aside as ground."""
+
+    def completed(
+        self,
+        *,
+        spacing: float = 0.08,
+        reach: int = 6,
+        thickest: float = 0.02,
+        tip_radius: float = 0.0015,
+        seed: int = 1,
+    ) -> tuple[Skeleton, int]:
+        """The tree with made-up twigs on limbs whose radius is at most `thickest`, and the number of measured nodes: they come
+        first and stay as they are. `spacing` and `reach` are those of the graph in which twigs grow. Metres."""
+
+class ReconstructedStand:
+    """The trees made of one cloud."""
+
+    @property
+    def trees(self) -> list[Reconstruction]: ...
+    @property
+    def owners(self) -> NDArray[np.int64]:
+        """The number of the tree that each point was given to, -1 for none, ``(n,)``: a view."""
+
+    @property
+    def is_wood(self) -> NDArray[np.bool_]:
+        """True for points that trees are made of, ``(n,)``."""
+
+    @property
+    def is_leaf(self) -> NDArray[np.bool_]:
+        """True for points set aside as leaves, ``(n,)``."""
+
+    @property
+    def is_ground(self) -> NDArray[np.bool_]:
+        """True for points set aside as ground, ``(n,)``."""
+
+    def __len__(self) -> int: ...
+
+class Example:
+    """Traits of a tree, measured or grown, and more trees of its kind."""
+
+    def __init__(self, skeleton: Skeleton) -> None: ...
+    @property
+    def trunk(self) -> dict[str, Any]:
+        """Its chord, waywardness, clear_bole and diameter, as `treesynth::guided::TrunkTraits` documents them."""
+
+    @property
+    def orders(self) -> list[dict[str, Any]]:
+        """Traits of the branches of each order, the trunk first, as `treesynth::guided::OrderTraits` documents them."""
+
+    def tuned(self, nodes: int = 40_000, trials: int = 8) -> Example:
+        """Corrected by `trials` trees that are grown and measured; takes as long as growing them."""
+
+    def grow(self, nodes: int = 40_000, seed: int = 1) -> Skeleton:
+        """A tree of the kind, on a graph of about `nodes` nodes."""
 
 def names(system: System | None = None) -> list[_Name]:
     """Names that `grow` (species, guided), `fill` (variational), `Forest` (self-organizing) and `Growth` (growth) take."""
@@ -428,5 +499,18 @@ def reconstruct(
     gap: float = 0.5,
     tip_radius: float = 0.0015,
     ground: bool = True,
+    set_leaves_aside: bool = False,
 ) -> Reconstruction:
-    """The skeleton and radii of the one tree whose points these are: leaf-off, or with leaves set aside. Metres."""
+    """The skeleton and radii of the one tree whose points these are: leaf-off, or in leaf with `set_leaves_aside`. Metres."""
+
+def reconstruct_stand(
+    cloud: Cloud,
+    *,
+    bases: ArrayLike | None = None,
+    side: float | None = None,
+    gap: float = 0.5,
+    tip_radius: float = 0.0015,
+    ground: bool = True,
+    set_leaves_aside: bool = False,
+) -> ReconstructedStand:
+    """All trees of a cloud: one for each trunk that is found, or for each of `bases` ``(n, 3)``. Metres."""

@@ -185,6 +185,16 @@ impl WeightFn for Dear {
     }
 }
 
+/// The guiding vectors within one tree.
+pub(super) fn along(nodes: &Nodes) -> Along<'_> {
+    Along { along: &nodes.along, memory: 0.08 }
+}
+
+/// The weights within one tree.
+pub(super) fn dear(nodes: &Nodes) -> Dear {
+    Dear { gap: 3.0 * nodes.side, turn: 0.5 }
+}
+
 /// For each of `asked` the nearest of `places`, of which there is at least one.
 pub(super) fn nearest_of(places: &[Vec3], asked: &[Vec3]) -> Vec<u32> {
     let wide = |places: &[Vec3]| places.iter().map(|place| place.as_dvec3()).collect::<Vec<_>>();

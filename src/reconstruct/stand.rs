@@ -4,7 +4,9 @@ use glam::Vec3;
 
 use super::ground::Ground;
 use super::nodes::Nodes;
-use super::{MOST_NODES, Reconstruct, ReconstructError, Reconstruction, Start, base, contacts, limbs, net};
+use super::{
+    MOST_NODES, PointKind, Reconstruct, ReconstructError, Reconstruction, Start, base, contacts, limbs, net,
+};
 use crate::cloud::Cloud;
 use crate::guided::Search;
 use crate::{ParameterError, Silent};
@@ -19,8 +21,12 @@ pub struct ReconstructedStand {
     /// For each point of the cloud the number of the tree that it was given to; `None` for ground, and for what is too far from
     /// all trees.
     pub owners: Vec<Option<u32>>,
+    /// What each point of the cloud was taken for.
+    pub kinds: Vec<PointKind>,
     /// Points set aside as ground.
     pub ground: usize,
+    /// Points set aside as leaves.
+    pub leaves: usize,
 }
 
 /// Bases of one cloud at most.
@@ -133,14 +139,28 @@ impl Reconstruct {
                 points[*owner as usize].push(point);
             }
         }
+        let mut kinds = vec![PointKind::Ground; cloud.len()];
+        ground.above.iter().for_each(|&point| kinds[point as usize] = PointKind::Stray);
+        let count = |kinds: &[PointKind], own: &[u32]| {
+            own.iter().filter(|&&point| kinds[point as usize] == PointKind::Leaf).count()
+        };
         let mut trees = Vec::with_capacity(starts.len());
-        for (&start, own) in starts.iter().zip(&points) {
+        let mut leaves = 0;
+        for (&start, own) in starts.iter().zip(points) {
             let of_base = |error| ReconstructError::OfBase { base: start.base, error: Box::new(error) };
-            let nodes = self.nodes(cloud.points(), own, MOST_NODES).map_err(of_base)?;
+            let wood = if self.sets_leaves_aside {
+                self.without_leaves(cloud.points(), &own, start, &mut kinds).map_err(of_base)?
+            } else {
+                own.clone()
+            };
+            let nodes = self.nodes(cloud.points(), &wood, MOST_NODES).map_err(of_base)?;
             let edges = net::edges(&nodes);
-            trees.push(self.tree(cloud, &nodes, &edges, start, 0)?);
+            let made = self.tree(cloud, &nodes, &edges, start, &mut kinds)?;
+            let own = count(&kinds, &own);
+            leaves += own;
+            trees.push(Reconstruction { leaves: own, ..made });
         }
-        Ok(ReconstructedStand { trees, owners, ground: cloud.len() - ground.above.len() })
+        Ok(ReconstructedStand { trees, owners, kinds, ground: cloud.len() - ground.above.len(), leaves })
     }
 
     /// The tree of each point.

@@ -10,6 +10,7 @@ mod bent;
 mod blob;
 #[cfg(feature = "testing")]
 mod climbing;
+mod disturbed;
 mod docs;
 mod drawn;
 mod editing;

@@ -2,12 +2,13 @@
 
 use treesynth::cloud::{Cloud, Frame};
 use treesynth::glam::{DVec3, Vec3};
+use treesynth::guided::Example;
 use treesynth::metrics::diameter_at;
 use treesynth::radius::check_radii;
-use treesynth::reconstruct::Reconstruct;
+use treesynth::reconstruct::{PointKind, Reconstruct, Twigs};
 use treesynth::scan::Scanner;
 use treesynth::surface::{Part, Tubes};
-use treesynth::{Skeleton, species};
+use treesynth::{Metrics, Skeleton, species};
 
 /// Volume of what is thicker than 5 cm.
 fn wood(tree: &Skeleton) -> f32 {
@@ -132,5 +133,105 @@ fn trunks_are_found_at_any_height() {
         let bases = Reconstruct::default().trunk_bases(&cloud).unwrap();
         assert_eq!(bases.len(), 1, "{y}: {bases:?}");
         assert!(bases[0].distance(Vec3::Y * (y + 0.12)) < 0.05, "{y}: {bases:?}");
+    }
+}
+
+/// Trees in leaf: most points are told from leaves rightly, and diameters are those of the wood.
+#[test]
+fn leaves_are_set_aside() {
+    for (name, seed) in [("English oak", 4), ("ash", 5)] {
+        let request = species::by_name(name).unwrap().request();
+        let tree = request.with_height(6.0).with_day(200.0).with_seed(seed).grow().unwrap();
+        let mesh = Tubes::default().with_sides(24).with_root_flare(0.0).mesh(&tree.skeleton).unwrap();
+        let leaves = tree.leaves.as_ref().unwrap();
+        let scanner = Scanner::around(Vec3::Y * 1.7, 7.0, 3).with_step(0.0012);
+        let scan = scanner.scan(&[Part::new(&mesh), leaves.part()], seed).unwrap();
+        let found = Reconstruct::default().with_leaves_set_aside(true).reconstruct(&scan.cloud).unwrap();
+        check_radii(&found.skeleton, found.skeleton.radii()).unwrap();
+        assert_eq!(found.kinds.len(), scan.cloud.len());
+        let share = |part: u32, kind: PointKind| {
+            let own = || scan.truth.iter().zip(&found.kinds).filter(|(truth, _)| truth.part == part);
+            own().filter(|(_, own)| **own == kind).count() as f32 / own().count() as f32
+        };
+        let [wood, leaf] = [share(0, PointKind::Wood), share(1, PointKind::Leaf)];
+        println!("{name}: wood {wood:.3}, leaves {leaf:.3}");
+        assert!(0.5 * (wood + leaf) > 0.75, "{name}: wood {wood}, leaves {leaf}");
+        let [dbh, wanted] = [&found.skeleton, &tree.skeleton].map(|tree| diameter_at(tree, 1.3).unwrap());
+        assert!((dbh - wanted).abs() < 0.005, "{name}: {dbh} {wanted}");
+        let all = found.kinds.iter().filter(|&&kind| kind == PointKind::Leaf).count();
+        assert_eq!(all, found.leaves);
+        let plain = Reconstruct::default().reconstruct(&scan.cloud).unwrap();
+        assert_eq!(plain.leaves, 0);
+    }
+}
+
+/// Measured nodes stay as they are, and twigs are thin, on thin limbs, and say that they are made up.
+#[test]
+fn twigs_are_grown_onto_measured_limbs() {
+    let request = species::by_name("ash").unwrap().request();
+    let truth = request.with_height(6.0).with_day(20.0).with_seed(2).grow().unwrap().skeleton;
+    let mesh = Tubes::default().with_sides(24).with_root_flare(0.0).mesh(&truth).unwrap();
+    let scanner = Scanner::around(Vec3::Y * 1.7, 7.0, 3).with_step(0.0016);
+    let cloud = scanner.scan(&[Part::new(&mesh)], 2).unwrap().cloud;
+    let found = Reconstruct::default().reconstruct(&cloud).unwrap();
+    let whole = found.completed(&Twigs::default(), 1).unwrap();
+    assert_eq!(found.completed(&Twigs::default(), 1).unwrap(), whole);
+    let (tree, old) = (&whole.skeleton, &found.skeleton);
+    tree.check().unwrap();
+    check_radii(tree, tree.radii()).unwrap();
+    let count = old.len();
+    assert_eq!(whole.measured, count);
+    assert!(whole.is_measured(count - 1) && !whole.is_measured(count));
+    assert_eq!(tree.positions()[..count], *old.positions());
+    assert_eq!(tree.radii()[..count], *old.radii());
+    assert_eq!(tree.orders()[..count], *old.orders());
+    assert!((0..count).all(|node| tree.parent(node) == old.parent(node)));
+    assert!(tree.tips().count() > old.tips().count() + 50, "{}", tree.tips().count());
+    for node in count..tree.len() {
+        let parent = tree.parent(node).unwrap();
+        assert!(tree.radii()[node] <= tree.radii()[parent] && tree.stages()[node] > 0);
+        assert!(parent >= count || old.radii()[parent] < 0.03, "{node} is on {}", old.radii()[parent]);
+    }
+    for (twigs, name) in [
+        (Twigs::default().with_thickest(0.0), "thickest"),
+        (Twigs::default().with_spacing(f32::NAN), "spacing"),
+        (Twigs::default().with_tip_radius(-1.0), "tip_radius"),
+        (Twigs::default().with_reach(0), "reach"),
+        (Twigs::default().with_stages([]), "stages"),
+        (Twigs::default().with_thickest(1e-6), "thin enough"),
+    ] {
+        let text = found.completed(&twigs, 1).unwrap_err().to_string();
+        assert!(text.contains(name), "{text}");
+    }
+}
+
+/// Ten trees after a measured one are of its kind.
+#[test]
+fn more_trees_after_a_measured_one() {
+    let request = species::by_name("London plane").unwrap().request();
+    let truth = request.with_height(7.0).with_day(20.0).with_seed(3).grow().unwrap().skeleton;
+    let mesh = Tubes::default().with_sides(24).with_root_flare(0.0).mesh(&truth).unwrap();
+    let scanner = Scanner::around(Vec3::Y * 1.7, 8.0, 3).with_step(0.0014);
+    let cloud = scanner.scan(&[Part::new(&mesh)], 3).unwrap().cloud;
+    let measured = Reconstruct::default().reconstruct(&cloud).unwrap().skeleton;
+    let example = Example::of(&measured).unwrap().tuned(20_000, 8).unwrap();
+    let measures = |tree: &Skeleton| {
+        let metrics = Metrics::of(tree);
+        let dbh = diameter_at(tree, 1.3).unwrap();
+        [
+            ("height", metrics.height),
+            ("DBH", dbh),
+            ("crown width", metrics.crown_width),
+            ("length", metrics.total_length),
+            ("wood", metrics.wood_volume),
+        ]
+    };
+    let grown: Vec<_> = (1..=10).map(|seed| measures(&example.grow(20_000, seed).unwrap())).collect();
+    for (i, (name, own)) in measures(&measured).into_iter().enumerate() {
+        let mut ratios: Vec<f64> = grown.iter().map(|tree| tree[i].1 / own).collect();
+        ratios.sort_by(f64::total_cmp);
+        let median = f64::midpoint(ratios[4], ratios[5]);
+        println!("{name}: {own:.3}, median {median:.3} of it, {:.3} to {:.3}", ratios[0], ratios[9]);
+        assert!((median - 1.0).abs() < 0.15, "{name}: {median}");
     }
 }
