@@ -41,7 +41,7 @@ impl Default for Twigs {
 }
 
 impl Twigs {
-    /// Metres between the nodes of the graph in which twigs grow; default 0.08. Half of it makes eight times as many nodes.
+    /// Metres between the nodes of the graph in which twigs grow, 0.001 to 10; default 0.08. Half of it makes eight times as many nodes.
     pub fn with_spacing(mut self, metres: f32) -> Self {
         self.spacing = metres;
         self
@@ -72,6 +72,9 @@ impl Twigs {
     }
 
     fn check(&self) -> Result<(), ParameterError> {
+        let fits = (1e-3..=10.0).contains(&self.spacing);
+        ParameterError::unless(fits, "Twigs.spacing", self.spacing, "0.001 to 10 m")?;
+        ParameterError::unless((1..=24).contains(&self.reach), "Twigs.reach", self.reach, "1 to 24 hops")?;
         let fits = self.thickest > 0.0 && self.thickest.is_finite();
         ParameterError::unless(fits, "Twigs.thickest", self.thickest, "finite and above 0 m")?;
         ParameterError::unless((0.0..=1.0).contains(&self.tip), "Twigs.tip_radius", self.tip, "0 to 1 m")

@@ -269,8 +269,8 @@ impl Reconstruct {
     /// default false. Needs no colours or intensities. Points on twigs of a few millimetres go with the leaves, also where there are
     /// none: leave it off for leafless trees. Takes two to three times as long.
     ///
-    /// After Wang et al. 2020, "LeWoS: a universal leaf-wood classification method", and Vicari et al. 2019, "Leaf and wood
-    /// classification framework for terrestrial LiDAR point clouds": shape, evidence smoothed over neighbours, and paths. Evidence is
+    /// After Wang et al. 2020, "`LeWoS`: a universal leaf-wood classification method", and Vicari et al. 2019, "Leaf and wood
+    /// classification framework for terrestrial `LiDAR` point clouds": shape, evidence smoothed over neighbours, and paths. Evidence is
     /// then summed along paths: wood is the part of the tree of paths, connected with the base, for which most speaks.
     pub fn with_leaves_set_aside(mut self, is_wanted: bool) -> Self {
         self.sets_leaves_aside = is_wanted;

@@ -110,7 +110,7 @@ fn resembles(what: &str, truth: &Skeleton, found: &Reconstruction, off: f64, lea
     for (node, parent) in tree.edges() {
         assert!(tree.radii()[node] <= tree.radii()[parent], "{what}: node {node} is thicker than its parent");
     }
-    let [dbh, wanted] = [tree, truth].map(|tree| f64::from(diameter_at(tree, 1.3).unwrap_or(0.0)));
+    let [dbh, wanted] = [tree, truth].map(|tree| diameter_at(tree, 1.3).unwrap_or(0.0));
     let (recall, precision) = (near(truth, tree), near(tree, truth));
     println!(
         "{what}: DBH {dbh:.4} of {wanted:.4}, {:+.1} %; recall {recall:.3}, precision {precision:.3}",
