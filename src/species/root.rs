@@ -31,6 +31,7 @@ const BLENDED: f32 = 0.3;
 pub(super) const STAGE: u16 = Rank::Shoot as u16 + 1;
 
 /// The radius with which the thinnest root leaves the trunk, metres; infinite without roots. Thicker wood wears old bark.
+#[cfg(feature = "texture")]
 pub(super) fn thinnest(rooted: &Skeleton) -> f32 {
     let stages = rooted.stages();
     let firsts = rooted.edges().filter(|&(node, parent)| stages[node] == STAGE && stages[parent] != STAGE);

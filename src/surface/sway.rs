@@ -181,6 +181,7 @@ impl Sway {
     }
 
     /// Gives each vertex the [`Wind`] of the trunk at its height, or of its end above that: the mesh leans as one.
+    #[cfg(feature = "texture")]
     pub(crate) fn lean(&self, mesh: &mut Mesh) {
         let trunk = self.starts.get(1).map_or(&[][..], |&end| &self.nodes[..end as usize]);
         let wind = |&place: &Vec3| {
