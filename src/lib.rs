@@ -51,6 +51,7 @@
 //! | `preview` | shaded PNG pictures without a GPU, `preview`; implies `texture` |
 //! | `import` | meshes from OBJ, STL, PLY and glTF files, outlines from SVG drawings and path data, as shapes |
 //! | `lidar` | point clouds of laser scanners, LAS, LAZ and E57: [`cloud`] |
+//! | `parquet` | inventories of landscapes as Apache Parquet: `export::parquet` |
 //! | `testing` | proptest strategies and contract checks for strategies of your own, `testing` |
 #![cfg_attr(docsrs, feature(doc_cfg))]
 

@@ -26,7 +26,7 @@ const TREES: [(&str, f32, f32, f32); 13] = [
     ("Douglas fir", -10.5, -17.0, 19.0),
 ];
 /// Triangles of each.
-const TRIANGLES: usize = 120_000;
+const TRIANGLES: usize = 60_000;
 
 pub(crate) fn draw(seed: u64) -> Result<Picture, Failure> {
     let grown: Result<Vec<Asset>, String> = TREES

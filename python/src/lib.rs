@@ -8,6 +8,7 @@ mod failure;
 mod file;
 mod forest;
 mod growth;
+mod landscape;
 mod mesh;
 mod recipe;
 mod skeleton;
@@ -30,6 +31,8 @@ fn _treesynth(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_class::<recipe::Recipe>()?;
     module.add_class::<forest::Forest>()?;
     module.add_class::<growth::Growth>()?;
+    module.add_class::<landscape::Landscape>()?;
+    module.add_class::<landscape::Tile>()?;
     module.add_class::<cloud::Cloud>()?;
     module.add_class::<cloud::Scan>()?;
     module.add_class::<cloud::Reconstruction>()?;
@@ -41,5 +44,6 @@ fn _treesynth(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(file::read_trees, module)?)?;
     module.add_function(wrap_pyfunction!(cloud::scan, module)?)?;
     module.add_function(wrap_pyfunction!(cloud::reconstruct, module)?)?;
-    module.add_function(wrap_pyfunction!(cloud::reconstruct_stand, module)?)
+    module.add_function(wrap_pyfunction!(cloud::reconstruct_stand, module)?)?;
+    module.add_function(wrap_pyfunction!(landscape::write_tileset, module)?)
 }

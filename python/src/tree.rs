@@ -64,9 +64,10 @@ impl Tree {
         Ok(Self { name: name.into(), seed, skeleton, leaves, numbers, dress: Dress::Plain(bark.0, bark.1) })
     }
 
-    /// Its bark as a scanner meets it, whose points tell the nodes they lie on.
+    /// Its bark as a scanner meets it, as thick and as round as the skeleton says; points tell the nodes they lie on.
     pub(crate) fn scanned_bark(&self) -> PyResult<Mesh> {
-        Tubes::default().with_wind(true).mesh(&self.skeleton.get().tree).map_err(failure)
+        let tubes = Tubes::default().with_sides(32).with_root_flare(0.0).with_wind(true);
+        tubes.mesh(&self.skeleton.get().tree).map_err(failure)
     }
 
     pub(crate) fn leaf_parts(&self) -> impl Iterator<Item = Part<'_>> {

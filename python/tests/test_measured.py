@@ -94,7 +94,7 @@ def test_a_stand_is_made_again(tree):
     assert len(stand) == len(stand.trees) == 2 and len(stand.owners) == len(both)
     assert set(np.unique(stand.owners)) <= {-1, 0, 1} and stand.is_wood.mean() > 0.8
     for one in stand.trees:
-        assert one.skeleton.diameter_at(1.3) == pytest.approx(tree.skeleton.diameter_at(1.3), abs=0.02)
+        assert one.skeleton.diameter_at(1.3) == pytest.approx(tree.skeleton.diameter_at(1.3), abs=0.01)
     told = treesynth.reconstruct_stand(cloud, bases=[[0, 0, 0], [6, 0, 0]])
     assert len(told) == 2
     with pytest.raises(treesynth.TreesynthError, match="bases"):

@@ -16,6 +16,7 @@ from ._treesynth import (
     Example,
     Forest,
     Growth,
+    Landscape,
     Leaves,
     Mesh,
     Recipe,
@@ -24,6 +25,7 @@ from ._treesynth import (
     Scan,
     Skeleton,
     Species,
+    Tile,
     Tree,
     TreesynthError,
     __version__,
@@ -34,6 +36,7 @@ from ._treesynth import (
     reconstruct,
     reconstruct_stand,
     scan,
+    write_tileset,
 )
 
 __all__ = [
@@ -42,6 +45,7 @@ __all__ = [
     "Example",
     "Forest",
     "Growth",
+    "Landscape",
     "Leaves",
     "Mesh",
     "Recipe",
@@ -50,6 +54,7 @@ __all__ = [
     "Scan",
     "Skeleton",
     "Species",
+    "Tile",
     "Tree",
     "TreesynthError",
     "__version__",
@@ -60,4 +65,5 @@ __all__ = [
     "reconstruct",
     "reconstruct_stand",
     "scan",
+    "write_tileset",
 ]

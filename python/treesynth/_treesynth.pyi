@@ -318,6 +318,80 @@ class Growth:
     def at(self, age: float, *, progress: Progress | None = None) -> Tree:
         """The tree at an age in years; fractions are days."""
 
+class Landscape:
+    """A planted landscape without end, of which any tile can be grown alone: in any order, on any process or machine, to the same bits.
+    Trees stand in square cells, one each or none; a tile sees the trees within `margin` cells around it and nothing beyond. Can be
+    pickled."""
+
+    def __init__(
+        self,
+        species: Sequence[str | tuple[str, dict[str, Any]]],
+        *,
+        seed: int = 1,
+        spacing: float = 2.0,
+        scatter: float = 0.7,
+        tile: int = 16,
+        margin: int = 4,
+        heights: ArrayLike | None = None,
+        planting: ArrayLike | None = None,
+        density: ArrayLike | None = None,
+        corner: tuple[float, float] = (0.0, 0.0),
+        step: float = 1.0,
+    ) -> None:
+        """`species` are names of stands, whose first tree's habit they have, or names of your own with a habit as data.
+        `spacing` is the width of a cell in metres, `scatter` how far trees stray in theirs, 0 to 0.9; `tile` and `margin`
+        count cells.
+
+        Maps are arrays of rows along x, one row after the other in z, from `corner` (x and z) on, `step` metres
+        apart: `heights` of the ground, metres, straight between; `planting`, the number of the species of each field, -1
+        for none; `density`, the share of its cells that is planted, 0 to 1. Nothing is planted beyond the last two."""
+
+    @staticmethod
+    def from_json(text: str) -> Landscape:
+        """The landscape that `to_json` has saved."""
+
+    def to_json(self) -> str: ...
+    @property
+    def species(self) -> list[str]: ...
+    @property
+    def side(self) -> float:
+        """Length of a side of a tile, metres."""
+
+    def origin(self, x: int, z: int) -> tuple[float, float, float]:
+        """Where the frame of a tile has its origin, metres."""
+
+    def grow(self, x: int, z: int, seasons: int, *, progress: Progress | None = None) -> Tile:
+        """The trees of a tile after so many seasons."""
+
+class Tile:
+    """The trees of one tile of a landscape, in the tile's frame."""
+
+    @property
+    def tile(self) -> tuple[int, int]: ...
+    @property
+    def origin(self) -> tuple[float, float, float]:
+        """Place of the frame's origin in the landscape, metres."""
+
+    @property
+    def metamers(self) -> int:
+        """Of its own trees."""
+
+    @property
+    def trees(self) -> list[Skeleton]: ...
+    @property
+    def places(self) -> NDArray[np.float64]:
+        """The base of each tree in the landscape, metres, ``(n, 3)``."""
+
+    def save_table(self, path: Path) -> None:
+        """Writes a Parquet file with a row for each tree: place, species, age, height, diameter, crown and wood."""
+
+    def save_models(
+        self, near: Path, far: Path, *, error: float = 0.02
+    ) -> tuple[list[list[float]], list[float]] | None:
+        """Writes two GLB files of the trees in leaf: `near`, whose bark is off by at most `error` metres, and `far`, by eight times that; one leaf
+        of two triangles stands for 12 and for 96. Returns the lowest and the highest corner of all, and the error of each file in metres; None, and no
+        files, if there are no trees."""
+
 class Cloud:
     """Points, +Y up and metres, 32 bits each, beside the offset taken off their coordinates. Compares by value."""
 
@@ -514,3 +588,15 @@ def reconstruct_stand(
     set_leaves_aside: bool = False,
 ) -> ReconstructedStand:
     """All trees of a cloud: one for each trunk that is found, or for each of `bases` ``(n, 3)``. Metres."""
+
+def write_tileset(
+    path: Path,
+    tiles: Sequence[
+        tuple[str, str, Sequence[float], Sequence[Sequence[float]], Sequence[float]]
+    ],
+    *,
+    position: tuple[float, float, float] | None = None,
+) -> None:
+    """Writes a 3D Tiles 1.1 `tileset.json`: for each tile the names of its near and far model, its origin, and what `save_models`
+    returned. `position` is the place on the globe of the landscape's origin: longitude and latitude in degrees, and metres above the
+    ellipsoid."""

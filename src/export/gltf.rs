@@ -11,7 +11,7 @@ mod document;
 mod look;
 mod options;
 mod skin;
-mod text;
+pub(super) mod text;
 mod wind;
 
 pub use options::{GlbOptions, Instancing, LevelNodes};

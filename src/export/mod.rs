@@ -8,6 +8,8 @@
 //! | STL, binary, `.stl` | [`stl`] | [`Part`]s | |
 //! | USD, `.usda`, `.usdz` | [`usd`] | [`Part`]s, or levels or seasons of them, or a [`Scene`] | |
 //! | SVG, `.svg` | [`svg`] | a [`Skeleton`](crate::Skeleton) as a drawing | |
+//! | 3D Tiles 1.1, `tileset.json` | [`tileset`] | the places of models | |
+//! | Apache Parquet | `parquet` | the [`TreeRecord`](crate::self_organizing::TreeRecord)s of an inventory | `parquet` |
 //! | JSON | `json` | a [`Skeleton`](crate::Skeleton), and back | `json` |
 //!
 //! USD writes instances, and glTF on request ([`GlbOptions::with_instancing`]); glTF by default and the
@@ -20,10 +22,13 @@ mod images;
 #[cfg(feature = "json")]
 pub mod json;
 pub mod obj;
+#[cfg(feature = "parquet")]
+pub mod parquet;
 pub mod ply;
 mod pool;
 pub mod stl;
 pub mod svg;
+pub mod tileset;
 pub mod usd;
 mod watched;
 mod worn;
@@ -40,9 +45,12 @@ pub use json::{ReadError, read_skeleton, write_skeleton};
 #[cfg(feature = "texture")]
 pub use obj::mtl_images;
 pub use obj::{write_mtl, write_obj, write_obj_with};
+#[cfg(feature = "parquet")]
+pub use parquet::write_parquet;
 pub use ply::{PlyFormat, write_ply, write_ply_with};
 pub use stl::{write_stl, write_stl_with};
 pub use svg::{SvgOptions, write_svg};
+pub use tileset::{TileModel, Tileset, write_tileset};
 #[cfg(feature = "texture")]
 pub use usd::usd_images;
 pub use usd::{UsdStage, write_usda, write_usdz};

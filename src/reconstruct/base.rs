@@ -77,15 +77,62 @@ fn slice(height: f32, side: f32) -> f32 {
     (0.05 * height).min(0.5).max(4.0 * side)
 }
 
+/// What stands wider than this share of the height, or than this, metres, is no trunk but a wall, or grass around one.
+const WIDE: f32 = 0.15;
+const WIDE_AT_LEAST: f32 = 1.0;
+
+fn flat(place: Vec3) -> Vec3 {
+    place.with_y(0.0)
+}
+
+impl Standing {
+    /// Its middle on the ground, and how far it goes from there.
+    fn footprint(&self) -> (Vec3, f32) {
+        let places = || self.nodes.iter().map(|node| flat(node.0));
+        let middle = places().sum::<Vec3>() / self.nodes.len() as f32;
+        (middle, places().map(|place| place.distance(middle)).fold(0.0, f32::max))
+    }
+
+    /// The base below the trunk that goes on above, if that stands elsewhere over it: grass around a trunk is one thing with it.
+    fn below(&self, above: Option<&(Vec3, f32)>) -> Vec3 {
+        let Some((middle, spread)) = above else { return self.base };
+        let reach = spread + LEAN * ABOVE as f32;
+        let is_below = |place: &Vec3| flat(*place).distance(*middle) <= reach;
+        let below: Vec<Vec3> = self.nodes.iter().map(|node| node.0).filter(is_below).collect();
+        if below.is_empty() || is_below(&self.base) {
+            return self.base;
+        }
+        let (lowest, _) = extent(below.iter().map(|place| place.y));
+        (below.iter().sum::<Vec3>() / below.len() as f32).with_y(lowest)
+    }
+}
+
 /// The base of the one trunk, where the nodes are lowest.
 pub(super) fn lowest_trunk(nodes: &Nodes, edges: &[(u32, u32)]) -> Result<Vec3, ReconstructError> {
     let sound: Vec<(Vec3, f32)> = sound(nodes, edges).into_iter().map(|place| (place, place.y)).collect();
     let (low, top) = extent(sound.iter().map(|node| node.1));
-    let high = low + slice(top - low, nodes.side);
-    let trunks = standing(&sound, low, high);
-    let all: usize = trunks.iter().map(|trunk| trunk.nodes.len()).sum();
+    let thick = slice(top - low, nodes.side);
+    let high = low + thick;
+    let wide = (WIDE * (top - low)).max(WIDE_AT_LEAST);
+    // Above grass, from the largest on.
+    let above: Vec<(Vec3, f32)> =
+        standing(&sound, high + thick, high + 2.0 * thick).iter().map(Standing::footprint).collect();
+    let all = standing(&sound, low, high);
+    let is_wall = |thing: &Standing| {
+        let (middle, spread) = thing.footprint();
+        let goes_on = |over: &(Vec3, f32)| over.1 > wide && over.0.distance(middle) < spread;
+        spread > wide && above.iter().any(goes_on)
+    };
+    let mut trunks: Vec<&Standing> = all.iter().filter(|thing| !is_wall(thing)).collect();
+    if trunks.is_empty() {
+        // A crown that reaches down to the ground.
+        trunks = all.iter().collect();
+    }
+    let count: usize = trunks.iter().map(|trunk| trunk.nodes.len()).sum();
     match &trunks[..] {
-        [first, ..] if first.nodes.len() * 10 >= all * 7 => Ok(first.base),
+        [first, ..] if first.nodes.len() * 10 >= count * 7 => {
+            Ok(first.below(above.iter().find(|over| over.1 <= wide)))
+        }
         [first, second, ..] => {
             let (first, second) = (first.base, second.base);
             Err(ReconstructError::Trunks { high, trunks: trunks.len(), first, second })
@@ -114,7 +161,7 @@ pub(super) fn trunks(nodes: &Nodes, edges: &[(u32, u32)], ground: &Ground) -> Ve
     sound.retain(|node| node.1 <= low + (ABOVE + 1) as f32 * thick);
     let is_trunk = |thing: &&Standing| {
         let (lowest, highest) = extent(thing.nodes.iter().map(|node| node.1));
-        let flat = |place: Vec3| place.with_y(0.0).distance(thing.base.with_y(0.0));
+        let flat = |place: Vec3| flat(place).distance(flat(thing.base));
         let spread = thing.nodes.iter().map(|node| flat(node.0)).fold(0.0, f32::max).min(1.5);
         let goes_on = (1..=ABOVE).all(|number| {
             let from = low + number as f32 * thick;

@@ -106,6 +106,11 @@ impl Ground {
         ground
     }
 
+    /// Whether there is ground.
+    pub(super) fn is_found(&self) -> bool {
+        !self.surface.is_empty()
+    }
+
     /// The height of a place above the ground; where there is none above the lowest, and above 0 without any.
     pub(super) fn height(&self, place: Vec3) -> f32 {
         self.below(place).unwrap_or(place.y - self.lowest)

@@ -55,7 +55,7 @@ const EVIDENCE: Evidence = Evidence {
     thick: [15.85, 9.21],
     upright: -1.74,
     along: -1.4,
-    none: 3.39,
+    none: 3.89,
 };
 
 /// Least length of path ahead that counts, metres.

@@ -10,6 +10,7 @@ mod limbs;
 mod net;
 mod nodes;
 mod orders;
+mod prune;
 mod radii;
 mod stand;
 #[cfg(test)]
@@ -313,9 +314,9 @@ impl Reconstruct {
         let made = if self.sets_leaves_aside {
             let own = self.without_leaves(cloud.points(), &wood.above, start, &mut kinds)?;
             let nodes = self.nodes(cloud.points(), &own, MOST_NODES)?;
-            self.tree(cloud, &nodes, &net::edges(&nodes), start, &mut kinds)?
+            self.tree(cloud, &wood, &nodes, &net::edges(&nodes), start, &mut kinds)?
         } else {
-            self.tree(cloud, &nodes, &edges, start, &mut kinds)?
+            self.tree(cloud, &wood, &nodes, &edges, start, &mut kinds)?
         };
         let leaves = kinds.iter().filter(|&&kind| kind == PointKind::Leaf).count();
         Ok(Reconstruction { kinds, ground, leaves, ..made })
@@ -356,6 +357,7 @@ impl Reconstruct {
     fn tree(
         &self,
         cloud: &Cloud,
+        ground: &Ground,
         nodes: &Nodes,
         edges: &[(u32, u32)],
         start: Start,
@@ -369,7 +371,7 @@ impl Reconstruct {
         let rings = limbs::rings(nodes, &search, edges, &[start.foot], step);
         drop(search);
         let rings = contacts::mended(rings, edges, nodes.len());
-        let rings = pruned(rings, step);
+        let rings = prune::pruned(prune::without_undergrowth(rings, ground), step);
         let heir = heirs(&rings);
         let fits = radii::fits(cloud.points(), nodes, &rings, &heir, step);
         if start.is_found {
@@ -480,38 +482,6 @@ fn heirs(rings: &[Ring]) -> Vec<Option<u32>> {
         }
     }
     heir
-}
-
-/// Removes laterals that hardly leave their limb: noise, bark, and the rims of forks.
-fn pruned(rings: Vec<Ring>, step: f32) -> Vec<Ring> {
-    let count = rings.len();
-    let heir = heirs(&rings);
-    let mut kept = vec![true; count];
-    // Distance from each ring to its farthest tip.
-    let mut ahead = vec![0.0_f32; count];
-    let mut members: Vec<usize> = rings.iter().map(|ring| ring.nodes.len()).collect();
-    for ring in (1..count).rev() {
-        let parent = rings[ring].parent.unwrap_or(0) as usize;
-        let far = ahead[ring] + rings[ring].center.distance(rings[parent].center);
-        ahead[parent] = ahead[parent].max(far);
-        members[parent] += members[ring];
-    }
-    for ring in 1..count {
-        let parent = rings[ring].parent.unwrap_or(0) as usize;
-        let is_lateral = heir[parent] != Some(ring as u32);
-        let far = ahead[ring] + rings[ring].center.distance(rings[parent].center);
-        let short = far < 1.3 * rings[parent].spread + 2.0 * step || members[ring] < 4;
-        kept[ring] = kept[parent] && !(is_lateral && short);
-    }
-    let mut number = vec![0_u32; count];
-    let mut left = Vec::with_capacity(count);
-    for (ring, own) in rings.into_iter().enumerate() {
-        if kept[ring] {
-            number[ring] = left.len() as u32;
-            left.push(Ring { parent: own.parent.map(|parent| number[parent as usize]), ..own });
-        }
-    }
-    left
 }
 
 /// Each ring without a cylinder halfway to the middle of its neighbours along its limb.

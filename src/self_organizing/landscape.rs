@@ -3,6 +3,7 @@
 use super::environment::Environment;
 use super::forest::{Forest, ForestError};
 use super::habit::{Habit, within};
+use super::planting::PlantingMap;
 use super::shadow::ShadowPropagation;
 use super::terrain::Terrain;
 use super::tree::Tree;
@@ -20,7 +21,14 @@ const MOST_CELLS: u32 = 4096;
 const FARTHEST: f32 = 0.9;
 
 /// A species for the point x, z of the landscape, metres, and a random number in [0, 1).
-type SpeciesMap = dyn Fn(f32, f32, f32) -> Option<usize> + Send + Sync;
+type SpeciesRule = dyn Fn(f32, f32, f32) -> Option<usize> + Send + Sync;
+
+/// What is planted where.
+#[derive(Clone)]
+enum Planting {
+    Rule(Arc<SpeciesRule>),
+    Map(Arc<PlantingMap>),
+}
 
 /// The ground of one tile, in its own frame.
 struct Ground {
@@ -98,7 +106,7 @@ pub struct Landscape<E: Environment = ShadowPropagation> {
     tile: u32,
     margin: u32,
     height: f32,
-    species: Option<Arc<SpeciesMap>>,
+    planting: Option<Planting>,
     terrain: Option<Arc<dyn Terrain>>,
 }
 
@@ -129,7 +137,7 @@ impl<E: Environment> Landscape<E> {
             tile: 16,
             margin: 4,
             height: 20.0,
-            species: None,
+            planting: None,
             terrain: None,
         }
     }
@@ -197,7 +205,13 @@ impl<E: Environment> Landscape<E> {
         mut self,
         species: impl Fn(f32, f32, f32) -> Option<usize> + Send + Sync + 'static,
     ) -> Self {
-        self.species = Some(Arc::new(species));
+        self.planting = Some(Planting::Rule(Arc::new(species)));
+        self
+    }
+
+    /// Sets what is planted where by a map, instead of [by a rule](Self::with_species).
+    pub fn with_planting(mut self, map: PlantingMap) -> Self {
+        self.planting = Some(Planting::Map(Arc::new(map)));
         self
     }
 
@@ -240,6 +254,9 @@ impl<E: Environment> Landscape<E> {
         let range = "so few cells that a tile and both its margins have at most 4096";
         ParameterError::unless(all <= u64::from(MOST_CELLS), "Landscape.margin", margin, range)?;
         self.terrain.as_ref().map_or(Ok(()), |terrain| terrain.check())?;
+        if let Some(Planting::Map(map)) = &self.planting {
+            map.check()?;
+        }
         self.habits.iter().try_for_each(Habit::check)
     }
 
@@ -317,7 +334,11 @@ impl<E: Environment> Landscape<E> {
                 // The same bits for all tiles that see it.
                 let at = (DVec2::new(x as f64, z as f64) + aside.as_dvec2()) * f64::from(self.spacing);
                 let at = at.as_vec2();
-                let habit = self.species.as_ref().map_or(Some(0), |species| species(at.x, at.y, draw(2)));
+                let habit = match &self.planting {
+                    None => Some(0),
+                    Some(Planting::Rule(species)) => species(at.x, at.y, draw(2)),
+                    Some(Planting::Map(map)) => map.species(at.x, at.y, draw(2)),
+                };
                 if let Some(habit) = habit {
                     plants.push((number(x, z), Vec3::new(place.x, 0.0, place.y), habit));
                 }

@@ -2,6 +2,7 @@
 
 use treesynth::glam::Vec3;
 use treesynth::guided::Example;
+use treesynth::metrics::diameter_at;
 use treesynth::{Metrics, Skeleton, presets};
 
 const NODES: usize = 40_000;
@@ -50,6 +51,14 @@ fn is_of_its_kind(tree: &Skeleton) {
     assert_eq!(example.grow(NODES, 100).unwrap(), grown[0], "the same seed gives another tree");
     let all: Vec<_> = grown.iter().map(measures).collect();
     let mut off = Vec::new();
+    let eighth = |tree: &Skeleton| diameter_at(tree, Metrics::of(tree).height / 8.0).unwrap();
+    // Below the first limbs a trunk narrows too; where limbs begin lower, each tree forks elsewhere.
+    if f64::from(example.trunk().clear_bole) > Metrics::of(tree).height / 8.0 {
+        for one in &grown {
+            let ratio = eighth(one) / eighth(tree);
+            assert!((ratio - 1.0).abs() < 0.15, "diameter at an eighth of the height: {ratio}");
+        }
+    }
     for (i, (name, own)) in measures(tree).into_iter().enumerate() {
         let mut ratios: Vec<f64> = all.iter().map(|tree| tree[i].1 / own).collect();
         ratios.sort_by(f64::total_cmp);

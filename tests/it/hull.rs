@@ -27,8 +27,8 @@ fn no_edge_crosses_the_hull() {
     }
     let plane = Cuboid::new(Vec3::new(-5.0, 0.0, -1.0), Vec3::new(5.0, 10.0, 1.0));
     let builder = PoissonYao::new(plane).with_nodes(3_000).planar();
-    let graph = builder.build(1, &Silent).unwrap();
-    assert!(edges(&graph).all(|(_, length)| length <= 3.0 * builder.spacing().unwrap() * 1.0001));
+    let (graph, spacing) = (builder.build(1, &Silent).unwrap(), builder.spacing().unwrap());
+    assert!(edges(&graph).all(|(_, length)| length <= 3.0 * spacing * 1.0001));
     assert_eq!(graph.unreachable(), 0);
 }
 

@@ -110,7 +110,7 @@ fn features_are_documented() {
         .filter_map(|line| Some(line.split_once(" = ")?.0))
         .filter(|name| !name.starts_with('#') && *name != "default")
         .collect();
-    assert_eq!(names.len(), 10);
+    assert_eq!(names.len(), 11);
     for file in ["README.md", "src/lib.rs"] {
         let text = fs::read_to_string(root.join(file)).unwrap();
         for name in &names {

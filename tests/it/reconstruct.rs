@@ -219,11 +219,11 @@ fn more_trees_after_a_measured_one() {
         let metrics = Metrics::of(tree);
         let dbh = diameter_at(tree, 1.3).unwrap();
         [
-            ("height", metrics.height, 0.15),
-            ("DBH", dbh, 0.5),
-            ("crown width", metrics.crown_width, 0.5),
-            ("length", metrics.total_length, 0.5),
-            ("wood", metrics.wood_volume, 1.5),
+            ("height", metrics.height, 0.1),
+            ("DBH", dbh, 0.1),
+            ("crown width", metrics.crown_width, 0.15),
+            ("length", metrics.total_length, 0.15),
+            ("wood", metrics.wood_volume, 0.15),
         ]
     };
     let grown: Vec<_> = (1..=10).map(|seed| measures(&example.grow(20_000, seed).unwrap())).collect();

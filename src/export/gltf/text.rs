@@ -8,7 +8,10 @@ pub(super) fn push(text: &mut String, more: std::fmt::Arguments<'_>) {
 }
 
 /// The items' texts with commas between them.
-pub(super) fn list<T>(items: impl IntoIterator<Item = T>, text: impl FnMut(T) -> String) -> String {
+pub(in crate::export) fn list<T>(
+    items: impl IntoIterator<Item = T>,
+    text: impl FnMut(T) -> String,
+) -> String {
     items.into_iter().map(text).collect::<Vec<_>>().join(",")
 }
 
@@ -32,7 +35,7 @@ pub(in crate::export) fn numbers(floats: &[f32]) -> String {
 }
 
 /// `text` as a JSON string, quotes included.
-pub(super) fn escaped(text: &str) -> String {
+pub(in crate::export) fn escaped(text: &str) -> String {
     let mut out = String::from('"');
     for char in text.chars() {
         match char {

@@ -15,14 +15,14 @@ use super::synth::{Stage, SynthesisError, TreeSynth};
 use crate::math::{Rotation, UP, cbrt};
 use crate::metrics::crown_width;
 use crate::parameter::ParameterError;
-use crate::radius::{PipeModel, RadiusModel, Taper};
+use crate::radius::{PipeModel, RadiusModel};
 use crate::random::{Purpose, derive, stream};
 use crate::shape::{Cuboid, LARGEST};
 use crate::skeleton::Skeleton;
 use glam::Vec3;
 use laterals::{FromOrder, LateralsLike, is_round};
 use learn::{Crown, Model, models, traits};
-use radii::TipShare;
+use radii::LikeExample;
 use rand::RngExt;
 use redraw::Redraw;
 use std::f32::consts::TAU;
@@ -71,7 +71,7 @@ pub struct Example {
     crown: Crown,
     width: f32,
     internode: f32,
-    radii: Option<TipShare>,
+    radius: Option<LikeExample>,
     redraw: Redraw,
     round: bool,
     tuning: Tuning,
@@ -159,7 +159,7 @@ impl Example {
             crown: Crown::of(skeleton, limbs),
             width: crown_width(skeleton) as f32,
             internode: length / skeleton.segments() as f32,
-            radii: TipShare::of(skeleton),
+            radius: LikeExample::new(skeleton),
             redraw,
             orders,
             tuning: Tuning {
@@ -263,12 +263,9 @@ impl Example {
     }
 
     fn radius(&self) -> Arc<dyn RadiusModel> {
-        match &self.radii {
+        match &self.radius {
+            Some(radius) => Arc::new(radius.clone()),
             None => Arc::new(PipeModel::default()),
-            Some(radii) => match radii.taper {
-                Some(tip) => Arc::new(Taper::new(radii.clone()).with_tip_fraction(tip)),
-                None => Arc::new(radii.clone()),
-            },
         }
     }
 

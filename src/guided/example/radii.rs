@@ -3,22 +3,108 @@
 use super::learn::{base_radius, geometric_mean};
 use crate::math::{exp, ln};
 use crate::parameter::ParameterError;
-use crate::radius::{RadiusError, RadiusModel};
+use crate::radius::{RadiusError, RadiusModel, Taper};
 use crate::skeleton::Skeleton;
+
+/// Thickness after an example: the bole narrows as the example's does, below all forks too; the rest has it by the share of
+/// tips, and none is thicker than what it leaves.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct LikeExample {
+    shares: TipShare,
+    /// Logarithm of the bole's radius in metres at its base, at 1/[`PLACES`] of its length ... and at its end; never ascending.
+    bole: Vec<f32>,
+}
+
+/// Parts of the bole.
+const PLACES: usize = 32;
+/// The bole ends where the trunk bears less than this share of the tips.
+const BOLE: f32 = 0.75;
+
+impl LikeExample {
+    /// `None` where the example has no thickness.
+    pub(super) fn new(skeleton: &Skeleton) -> Option<Self> {
+        let shares = TipShare::of(skeleton)?;
+        let (ways, nodes) = bole(skeleton);
+        let radius = |i: usize| skeleton.radii()[nodes[i] as usize];
+        let mut least = base_radius(skeleton);
+        let mut bole = vec![ln(least)];
+        for part in 1..=PLACES {
+            let way = part as f32 / PLACES as f32;
+            let i = ways.partition_point(|&other| other < way).min(ways.len() - 1);
+            let before = i.saturating_sub(1);
+            let t = (way - ways[before]) / (ways[i] - ways[before]).max(f32::MIN_POSITIVE);
+            let own = radius(before) + (radius(i) - radius(before)) * t.clamp(0.0, 1.0);
+            least = if own > 0.0 { least.min(own) } else { least };
+            bole.push(ln(least));
+        }
+        Some(Self { shares, bole })
+    }
+}
+
+impl RadiusModel for LikeExample {
+    fn radii(&self, skeleton: &Skeleton) -> Result<Vec<f32>, RadiusError> {
+        let shares = self.shares.clone();
+        let mut radii = match shares.taper {
+            Some(tip) => Taper::new(shares).with_tip_fraction(tip).radii(skeleton)?,
+            None => shares.radii(skeleton)?,
+        };
+        let (ways, nodes) = bole(skeleton);
+        for (way, node) in ways.into_iter().zip(nodes) {
+            let radius = &mut radii[node as usize];
+            *radius = radius.min(exp(between(&self.bole, way * PLACES as f32)));
+        }
+        for (node, parent) in skeleton.edges() {
+            radii[node] = radii[node].min(radii[parent]);
+        }
+        Ok(radii)
+    }
+
+    fn check(&self) -> Result<(), ParameterError> {
+        Ok(())
+    }
+}
+
+/// The way to each node of the bole as a share of the whole, and the nodes.
+fn bole(skeleton: &Skeleton) -> (Vec<f32>, Vec<u32>) {
+    let tips = tips(skeleton);
+    let branches = skeleton.branches();
+    let trunk = branches.iter().next().map_or(vec![0], |branch| branch.nodes().to_vec());
+    let bears = |&node: &u32| tips[node as usize] as f32 >= BOLE * tips[0] as f32;
+    let nodes: Vec<u32> = trunk.into_iter().take_while(bears).collect();
+    let positions = skeleton.positions();
+    let mut way = 0.0;
+    let mut ways = vec![0.0];
+    for pair in nodes.windows(2) {
+        way += positions[pair[0] as usize].distance(positions[pair[1] as usize]);
+        ways.push(way);
+    }
+    for own in &mut ways {
+        *own /= way.max(f32::MIN_POSITIVE);
+    }
+    (ways, nodes)
+}
+
+/// A table's value between two of its places.
+fn between(table: &[f32], place: f32) -> f32 {
+    let last = table.len() - 1;
+    let place = place.clamp(0.0, last as f32);
+    let (i, t) = (place as usize, place.fract());
+    table[i] + (table[(i + 1).min(last)] - table[i]) * t
+}
 
 /// Radius by the share of the tree's tips that a branch bears: the pipe model's law, with the example's numbers at each
 /// halving of the tips.
 #[derive(Debug, Clone, PartialEq)]
-pub(super) struct TipShare {
+struct TipShare {
     /// Logarithm of the radius in metres where 1, 1/2, 1/4 ... of the tips are borne; never ascending.
     logs: Vec<f32>,
     /// Radius of a twig's tip over that at its base; `None` where runs do not narrow.
-    pub(super) taper: Option<f32>,
+    taper: Option<f32>,
 }
 
 impl TipShare {
     /// `None` where the example has no thickness.
-    pub(super) fn of(skeleton: &Skeleton) -> Option<Self> {
+    fn of(skeleton: &Skeleton) -> Option<Self> {
         let radii = skeleton.radii();
         let tips = tips(skeleton);
         let mut children = vec![0u32; skeleton.len()];
@@ -124,13 +210,7 @@ fn halvings(all: u32, own: u32) -> f32 {
 impl RadiusModel for TipShare {
     fn radii(&self, skeleton: &Skeleton) -> Result<Vec<f32>, RadiusError> {
         let tips = tips(skeleton);
-        let last = self.logs.len() - 1;
-        let radius = |&own: &u32| {
-            let place = halvings(tips[0], own).clamp(0.0, last as f32);
-            let (i, t) = (place as usize, place.fract());
-            let next = self.logs[(i + 1).min(last)];
-            exp(self.logs[i] + (next - self.logs[i]) * t)
-        };
+        let radius = |&own: &u32| exp(between(&self.logs, halvings(tips[0], own)));
         Ok(tips.iter().map(radius).collect())
     }
 

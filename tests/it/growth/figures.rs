@@ -65,7 +65,8 @@ fn figure_8_rounder_contours() {
     let shape = |age: f32| {
         let stand = growth.at(age).expect("a tree");
         let limbs = limbs(&stand);
-        assert!(stand.skeleton.positions().iter().all(|p| p.z.abs() < 1e-3 * height(&stand)), "not flat");
+        let tall = height(&stand);
+        assert!(stand.skeleton.positions().iter().all(|p| p.z.abs() < 1e-3 * tall), "not flat");
         let longest = limbs.values().map(Limb::length).fold(0.0, f32::max);
         longest / height(&stand)
     };
@@ -206,8 +207,9 @@ fn figure_15_cottonwood() {
 
     let old = growth.at(27.0).expect("a tree");
     assert!(old.skeleton.segments() > 150_000, "{} internodes", old.skeleton.segments());
+    let tall = height(&old);
     let width = |low: f32, high: f32| {
-        let within = |p: &&Vec3| p.y > low * height(&old) && p.y < high * height(&old);
+        let within = |p: &&Vec3| p.y > low * tall && p.y < high * tall;
         old.skeleton.positions().iter().filter(within).map(|p| p.with_y(0.0).length()).fold(0.0, f32::max)
     };
     let (foot, middle, top) = (width(0.05, 0.15), width(0.45, 0.7), width(0.95, 1.0));
