@@ -259,12 +259,11 @@ impl Tile {
             };
             own.instances = own.instances.into_iter().step_by(fewer).collect();
             own.instances.iter_mut().for_each(|leaf| leaf.scale *= (fewer as f32).sqrt());
-            match &mut leaves {
-                Some(leaves) => leaves.instances.extend(own.instances),
-                None => {
-                    own.leaf = rhombus(&own.leaf);
-                    leaves = Some(own);
-                }
+            if let Some(leaves) = &mut leaves {
+                leaves.instances.extend(own.instances);
+            } else {
+                own.leaf = rhombus(&own.leaf);
+                leaves = Some(own);
             }
         }
         Ok((bark, leaves))
