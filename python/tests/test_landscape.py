@@ -73,7 +73,7 @@ def test_a_landscape_is_saved_and_pickled():
     [
         ({"species": []}, "species"),
         ({"species": ["no such stand"]}, "no such stand"),
-        ({"species": [("mine", {"lenght": 1})]}, "lenght"),
+        ({"species": [("mine", {"no_option": 1})]}, "no_option"),
         ({"spacing": 0.0}, "Landscape.spacing"),
         ({"tile": 0}, "Landscape.tile"),
         ({"planting": [[2]]}, "planting has 2"),
