@@ -155,7 +155,7 @@ impl Reconstruct {
             };
             let nodes = self.nodes(cloud.points(), &wood, MOST_NODES).map_err(of_base)?;
             let edges = net::edges(&nodes);
-            let made = self.tree(cloud, &ground, &nodes, &edges, start, &mut kinds)?;
+            let made = self.tree(cloud, ground, &nodes, &edges, start, &mut kinds)?;
             let own = count(&kinds, &own);
             leaves += own;
             trees.push(Reconstruction { leaves: own, ..made });
