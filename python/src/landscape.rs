@@ -350,9 +350,12 @@ impl Tile {
         }
         py.detach(|| {
             let Some(bounds) = self.bounds() else { return Ok(None) };
-            let errors = COARSER.map(|coarser| coarser * error);
+            let mut errors = COARSER.map(|coarser| coarser * error);
             for (level, path) in [near, far].iter().enumerate() {
                 let (bark, leaves) = self.model(errors[level], FEWER[level])?;
+                // A large leaf that stands for many is seen as one where it is larger than some pixels.
+                let large = leaves.iter().flat_map(|leaves| &leaves.instances).map(|leaf| leaf.scale);
+                errors[level] = large.fold(errors[level], f32::max);
                 let bark = Part::new(&bark).with_name("bark").with_material(Material::bark());
                 let parts: Vec<Part<'_>> =
                     [bark].into_iter().chain(leaves.as_ref().map(Leaves::part)).collect();

@@ -389,8 +389,8 @@ class Tile:
         self, near: Path, far: Path, *, error: float = 0.02
     ) -> tuple[list[list[float]], list[float]] | None:
         """Writes two GLB files of the trees in leaf: `near`, whose bark is off by at most `error` metres, and `far`, by eight times that; one leaf
-        of two triangles stands for 12 and for 96. Returns the lowest and the highest corner of all, and the error of each file in metres; None, and no
-        files, if there are no trees."""
+        of two triangles stands for 12 and for 96. Returns the lowest and the highest corner of all, and the error of each file in metres, that of its bark or
+        the length of its leaves; None, and no files, if there are no trees."""
 
 class Cloud:
     """Points, +Y up and metres, 32 bits each, beside the offset taken off their coordinates. Compares by value."""
